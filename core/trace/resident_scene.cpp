@@ -101,28 +101,25 @@ bool ResidentScene::find_all(const LocalRay& ray, uint32_t instance, PassedHits&
     if (tree_.empty()) return false;
     struct Asked {
         const ResidentScene* scene;
-        const LocalRay* ray;
+        PassingQuery query;
         GridRay grid_ray;
         FacetRay facet_ray;
-        uint32_t instance;
-        PassedHits* passed;
-    } asked{this,     &ray,   GridRay(ray.float_origin, ray.float_direction), {ray.origin, ray.direction, ray.start},
-            instance, &passed};
+    } asked{this,
+            {&ray, instance, &passed},
+            GridRay(ray.float_origin, ray.float_direction),
+            {ray.origin, ray.direction, ray.start}};
     const auto visit_block = [](void* owner, uint32_t number, uint32_t, float* farthest) {
-        const Asked& all = *static_cast<const Asked*>(owner);
-        const ResidentScene& scene = *all.scene;
+        const auto& [scene, query, grid_ray, facet_ray] = *static_cast<const Asked*>(owner);
         FacetBlock moved;
-        const FacetBlock& block = scene.blocks_.at(number, all.ray->time, moved);
+        const FacetBlock& block = scene->blocks_.at(number, query.ray->time, moved);
         GridCandidates candidates;
-        scene.add_candidates(block, all.grid_ray, *farthest, candidates);
+        scene->add_candidates(block, grid_ray, *farthest, candidates);
         while (!candidates.empty() && *farthest != kDone) {
             const uint32_t triangle = candidates.take_nearest().triangle;
-            if ((block.facets >> triangle & 1u) == 0 || all.ray->start_facet == facet_number(number, triangle))
+            if ((block.facets >> triangle & 1u) == 0 || query.ray->start_facet == facet_number(number, triangle))
                 continue;
-            const std::optional<FacetHit> hit = all.facet_ray.meet(block.corners(triangle, scene.dicer_->format()));
-            if (hit && hit->t >= all.ray->t_min && hit->t <= all.ray->t_max &&
-                all.passed->add({all.instance, number, triangle, *hit}))
-                *farthest = kDone;
+            const FacetCorners corners = block.corners(triangle, scene->dicer_->format());
+            if (query.take({number, triangle}, facet_ray.meet(corners))) *farthest = kDone;
         }
     };
     float farthest = ray.float_distance(ray.t_max);

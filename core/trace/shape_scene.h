@@ -82,6 +82,19 @@ struct FacetQuery {
     }
 };
 
+/// A ray that looks for all hits in one shape.
+struct PassingQuery {
+    const LocalRay* ray;
+    uint32_t instance;
+    PassedHits* passed;
+
+    /// Whether the ray need not go on.
+    bool take(const FacetId& facet, const std::optional<FacetHit>& hit) const {
+        return hit && hit->t >= ray->t_min && hit->t <= ray->t_max &&
+               passed->add({instance, facet.primitive, facet.part, *hit});
+    }
+};
+
 /// A query in one shape, as Embree's callbacks find it: the context is the first member.
 struct ShapeQuery {
     EmbreeContext context;

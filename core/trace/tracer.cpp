@@ -180,7 +180,8 @@ TraceStatistics Tracer::statistics() const {
     result.instances = implementation_->instances.size();
     result.shapes = implementation_->shapes.size();
     result.kept_shapes = implementation_->kept_shapes;
-    result.bvh_bytes = implementation_->embree_held + implementation_->tree.bytes();
+    result.bvh_bytes = implementation_->embree_held + implementation_->tree.bytes() +
+                       implementation_->oriented.size() * sizeof(OrientedBox);
     for (const std::shared_ptr<ShapeScene>& shape : implementation_->shapes) {
         result.subpatches += shape->subpatch_count();
         result.record_bytes += shape->record_bytes();

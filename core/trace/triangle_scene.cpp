@@ -18,18 +18,15 @@ uint32_t triangle_of(const RTCFilterFunctionNArguments* arguments, unsigned plac
     return 2 * primitive + (is_second ? 1 : 0);
 }
 
-/// A ray that looks for all hits, as Embree's callbacks find it: the context is the first member.
+/// As Embree's callbacks find it: the context is the first member.
 struct PassingRay {
     EmbreeContext context;
-    const LocalRay* ray;
-    uint32_t instance;
-    PassedHits* passed;
+    PassingQuery query;
 
     static PassingRay& of(EmbreeContext* context) { return *reinterpret_cast<PassingRay*>(context); }
-    /// Whether the ray need not go on.
-    bool add(uint32_t triangle, const FacetCorners& corners) const {
-        const std::optional<FacetHit> hit = exact_facet_hit(corners, ray->origin, ray->direction, ray->speed);
-        return hit && hit->t >= ray->t_min && hit->t <= ray->t_max && passed->add({instance, triangle, 0, *hit});
+    bool offer(uint32_t triangle, const FacetCorners& corners) const {
+        const LocalRay& ray = *query.ray;
+        return query.take({triangle, 0}, exact_facet_hit(corners, ray.origin, ray.direction, ray.speed));
     }
 };
 
@@ -39,7 +36,7 @@ bool offer(const RTCFilterFunctionNArguments* arguments, unsigned place) {
     const FacetCorners corners =
         mesh_of(arguments).corners(triangle, RTCRayN_time(arguments->ray, arguments->N, place));
     const uint32_t lane = RTCRayN_id(arguments->ray, arguments->N, place);
-    if (lane == kRayPassing) return PassingRay::of(arguments->context).add(triangle, corners);
+    if (lane == kRayPassing) return PassingRay::of(arguments->context).offer(triangle, corners);
     if (lane == kRayAlone) return ShapeQuery::of(arguments->context).facets.offer({triangle, 0}, corners);
     PacketQuery& packet = PacketQuery::of(arguments->context);
     const RayPacket& rays = packet.rays;
@@ -117,7 +114,7 @@ TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel
 }
 
 bool TriangleScene::find_all(const LocalRay& ray, uint32_t instance, PassedHits& passed) const {
-    PassingRay passing{{}, &ray, instance, &passed};
+    PassingRay passing{{}, {&ray, instance, &passed}};
     initialize(passing.context);
     RTCRay embree_ray = ray.embree_ray();
     embree_ray.id = kRayPassing;
@@ -165,11 +162,10 @@ void FewTrianglesScene::find_any(PacketQuery& packet) const {
 
 bool FewTrianglesScene::find_all(const LocalRay& ray, uint32_t instance, PassedHits& passed) const {
     const FacetRay facet_ray(ray.origin, ray.direction, ray.start);
-    for (uint32_t i = 0; i < corners_.size() && !passed.is_closed(); ++i) {
-        const std::optional<FacetHit> hit = facet_ray.meet(corners_[i]);
-        if (hit && hit->t >= ray.t_min && hit->t <= ray.t_max) passed.add({instance, i, 0, *hit});
-    }
-    return passed.is_closed();
+    const PassingQuery query{&ray, instance, &passed};
+    for (uint32_t i = 0; i < corners_.size(); ++i)
+        if (query.take({i, 0}, facet_ray.meet(corners_[i]))) return true;
+    return false;
 }
 
 LocalHit MeshScene::local_hit(const ShapeHit& hit) const {
