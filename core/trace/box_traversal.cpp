@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <new>
 #include <utility>
 
 #undef HWY_TARGET_INCLUDE
@@ -19,84 +21,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #include "base/lanes.inl"
-
-/// Far beyond any box, yet times a box's size still finite.
-constexpr float kHuge = 1e18f;
-/// A node leaves room for its children: of each level, all but the one that is visited wait.
-constexpr int kMostWaiting = (BoxNode::kMostChildren - 1) * (BoxNode::kDeepest + 2) + 1;
-
-/// What waits to be visited, as one number that can be sorted: where it begins, which is not negative, and what it is.
-HWY_INLINE uint64_t waiting_at(float near, uint32_t child) {
-    return uint64_t{std::bit_cast<uint32_t>(near)} << 32 | child;
-}
-HWY_INLINE float near_of(uint64_t waiting) {
-    return std::bit_cast<float>(static_cast<uint32_t>(waiting >> 32));
-}
-
-/// Fetches what lies behind a child that has to wait.
-HWY_INLINE void fetch(const BoxNode* nodes, uint32_t child, const BoxVisitor& visitor) {
-    const bool is_leaf = (child & BoxNode::kLeaf) != 0;
-    const auto* first = static_cast<const char*>(is_leaf ? visitor.items : nodes);
-    const uint32_t bytes = is_leaf ? visitor.item_bytes : sizeof(BoxNode);
-    first += size_t{child & ~BoxNode::kLeaf} * bytes;
-    constexpr uint32_t kLine = 64;
-    for (uint32_t offset = 0; offset < bytes; offset += kLine) hwy::Prefetch(first + offset);
-}
-
-using Boxes = hn::CappedTag<float, BoxNode::kMostChildren>;
-using BoxVector = hn::Vec<Boxes>;
-constexpr int kBoxWidth = static_cast<int>(hn::MaxLanes(Boxes()));
-using Rays = hn::CappedTag<float, kPacketSize>;
-using RayVector = hn::Vec<Rays>;
-constexpr int kRayWidth = static_cast<int>(hn::MaxLanes(Rays()));
-
-/// Boxes as the tree's nodes have them.
-struct StillBoxes {
-    HWY_INLINE BoxVector children(const BoxNode* nodes, uint32_t number, int axis, int side, int first,
-                                  BoxVector /*share*/) const {
-        return hn::Load(Boxes(), nodes[number].bounds[axis][side] + first);
-    }
-    HWY_INLINE RayVector child(const BoxNode* nodes, uint32_t number, int axis, int side, uint32_t child,
-                               int /*first*/) const {
-        return hn::Set(Rays(), nodes[number].bounds[axis][side][child]);
-    }
-    HWY_INLINE float share(uint32_t /*lane*/) const { return 0.0f; }
-};
-
-/// Boxes between those of two times.
-struct BoxesInMotion {
-    MovingBoxes of;
-
-    HWY_INLINE BoxVector children(const BoxNode* /*nodes*/, uint32_t number, int axis, int side, int first,
-                                  BoxVector share) const {
-        const BoxBounds* at = of.from + number * of.steps;
-        const BoxVector from = hn::Load(Boxes(), at[0].bounds[axis][side] + first);
-        return hn::MulAdd(hn::Sub(hn::Load(Boxes(), at[1].bounds[axis][side] + first), from), share, from);
-    }
-    HWY_INLINE RayVector child(const BoxNode* /*nodes*/, uint32_t number, int axis, int side, uint32_t child,
-                               int first) const {
-        const BoxBounds* at = of.from + number * of.steps;
-        const float from = at[0].bounds[axis][side][child];
-        return hn::MulAdd(hn::Set(Rays(), at[1].bounds[axis][side][child] - from), hn::LoadU(Rays(), of.share + first),
-                          hn::Set(Rays(), from));
-    }
-    HWY_INLINE float share(uint32_t lane) const { return of.share[lane]; }
-};
-
-/// Whether a ray meets the slabs.
-HWY_INLINE bool meets(const OrientedBox& box, const float (&origin)[3], const float (&direction)[3], float farthest) {
-    float near = 0.0f, far = farthest;
-    for (int i = 0; i < 3; ++i) {
-        const float(&axis)[3] = box.axis[i];
-        const float place = axis[0] * origin[0] + axis[1] * origin[1] + axis[2] * origin[2];
-        const float speed = axis[0] * direction[0] + axis[1] * direction[1] + axis[2] * direction[2];
-        const float inverse = std::abs(speed) > 1.0f / kHuge ? 1.0f / speed : std::copysign(kHuge, speed);
-        const float a = (box.low[i] - place) * inverse, b = (box.high[i] - place) * inverse;
-        near = std::max(near, std::min(a, b));
-        far = std::min(far, std::max(a, b));
-    }
-    return near <= far;
-}
+#include "trace/box_ray.inl"
 
 /// The lanes of the first and following rays that meet the slabs.
 HWY_INLINE uint32_t lanes_that_meet(const OrientedBox& box, const RayPacket& rays, const float* farthest, int first) {
@@ -118,87 +43,6 @@ HWY_INLINE uint32_t lanes_that_meet(const OrientedBox& box, const RayPacket& ray
     }
     return mask_bits(Rays(), hn::Le(near, far)) << first;
 }
-
-/// One ray: the children of a node in the lanes.
-template <typename NodeBoxes>
-class OneRay {
-  public:
-    HWY_INLINE OneRay(const float (&origin)[3], const float (&direction)[3], const NodeBoxes& boxes, uint32_t lane)
-        : boxes_(boxes), share_(hn::Set(Boxes(), boxes.share(lane))) {
-        for (int axis = 0; axis < 3; ++axis) {
-            const float component = direction[axis];
-            const float inverse =
-                std::abs(component) > 1.0f / kHuge ? 1.0f / component : std::copysign(kHuge, component);
-            near_side_[axis] = inverse < 0.0f ? 1 : 0;
-            inverse_[axis] = hn::Set(Boxes(), inverse);
-            offset_[axis] = hn::Set(Boxes(), origin[axis] * inverse);
-        }
-    }
-    HWY_INLINE void visit(const BoxNode* nodes, uint32_t root, const float (&origin)[3], const float (&direction)[3],
-                          uint32_t lane, float* farthest, const BoxVisitor& visitor) const {
-        uint64_t waiting[kMostWaiting];
-        int count = 0;
-        waiting[count++] = waiting_at(0.0f, root);
-        while (count > 0) {
-            const uint64_t next = waiting[--count];
-            if (!(near_of(next) <= farthest[lane])) continue;
-            auto child = static_cast<uint32_t>(next);
-            while ((child & BoxNode::kLeaf) == 0 && go_down(nodes, farthest[lane], child, waiting, count, visitor)) {
-            }
-            if ((child & BoxNode::kLeaf) == 0) continue;
-            const uint32_t item = child & ~BoxNode::kLeaf;
-            if (!visitor.oriented || meets(visitor.oriented[item], origin, direction, farthest[lane]))
-                visitor.visit(visitor.owner, item, 1u << lane, farthest);
-        }
-    }
-
-  private:
-    NodeBoxes boxes_;
-    BoxVector share_;
-    int near_side_[3];
-    BoxVector inverse_[3], offset_[3];
-
-    /// Makes `next` the nearest child that is met; the others wait, the nearest of them last. False if none is.
-    HWY_INLINE bool go_down(const BoxNode* nodes, float farthest, uint32_t& next, uint64_t* waiting, int& count,
-                            const BoxVisitor& visitor) const {
-        const BoxNode& node = nodes[next];
-        HWY_ALIGN float nears[BoxNode::kMostChildren];
-        uint32_t bits = meet(nodes, next, farthest, nears);
-        if (bits == 0) return false;
-        const auto take = [&] {
-            const auto child = static_cast<size_t>(__builtin_ctz(bits));
-            bits &= bits - 1;
-            return waiting_at(nears[child], node.child[child]);
-        };
-        uint64_t nearest = take();
-        for (const int bottom = count; bits != 0;) {  // NOLINT(bugprone-infinite-loop): `take` changes the bits
-            uint64_t other = take();
-            if (other < nearest) std::swap(other, nearest);
-            int at = count++;
-            for (; at > bottom && waiting[at - 1] < other; --at) waiting[at] = waiting[at - 1];
-            waiting[at] = other;
-            fetch(nodes, static_cast<uint32_t>(other), visitor);
-        }
-        next = static_cast<uint32_t>(nearest);
-        return true;
-    }
-    HWY_INLINE uint32_t meet(const BoxNode* nodes, uint32_t number, float farthest, float* nears) const {
-        uint32_t bits = 0;
-        for (int first = 0; first < BoxNode::kMostChildren; first += kBoxWidth) {
-            BoxVector near = hn::Zero(Boxes()), far = hn::Set(Boxes(), farthest);
-            for (int axis = 0; axis < 3; ++axis) {
-                const int side = near_side_[axis];
-                const BoxVector entry = boxes_.children(nodes, number, axis, side, first, share_);
-                const BoxVector exit = boxes_.children(nodes, number, axis, 1 - side, first, share_);
-                near = hn::Max(near, hn::MulSub(entry, inverse_[axis], offset_[axis]));
-                far = hn::Min(far, hn::MulSub(exit, inverse_[axis], offset_[axis]));
-            }
-            bits |= mask_bits(Boxes(), hn::Le(near, far)) << first;
-            hn::Store(near, Boxes(), nears + first);
-        }
-        return bits & ((1u << nodes[number].count) - 1u);
-    }
-};
 
 /// A packet: the rays in the lanes, the children of a node one after the other.
 template <typename NodeBoxes>
@@ -275,8 +119,7 @@ class ManyRays {
                                      rays_.near_origin[2][lane]};
             const float direction[3] = {rays_.unit_direction[0][lane], rays_.unit_direction[1][lane],
                                         rays_.unit_direction[2][lane]};
-            OneRay<NodeBoxes>(origin, direction, boxes_, lane)
-                .visit(nodes, child, origin, direction, lane, farthest, visitor_);
+            OneRay<NodeBoxes>(origin, direction, boxes_, lane).visit(nodes, child, lane, farthest, visitor_);
         }
     }
     /// The one that is nearest to the first ray comes last, to be visited first. A box around the ray's origin is as
@@ -329,6 +172,36 @@ class ManyRays {
     }
 };
 
+/// All rays of a packet alone, a step each in turn.
+template <typename NodeBoxes>
+HWY_INLINE void follow_in_turn(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, const NodeBoxes& boxes,
+                               float* farthest, const BoxVisitor& visitor) {
+    struct InTurn {
+        OneRay<NodeBoxes> ray;
+        OnTheWay way;
+    };
+    alignas(InTurn) std::byte room[kPacketSize * sizeof(InTurn)];
+    InTurn* left[kPacketSize];
+    int count = 0;
+    for (; lanes != 0; lanes &= lanes - 1) {
+        const auto lane = static_cast<uint32_t>(__builtin_ctz(lanes));
+        const float origin[3] = {rays.near_origin[0][lane], rays.near_origin[1][lane], rays.near_origin[2][lane]};
+        const float direction[3] = {rays.unit_direction[0][lane], rays.unit_direction[1][lane],
+                                    rays.unit_direction[2][lane]};
+        left[count] = new (room + sizeof(InTurn) * static_cast<size_t>(count))
+            InTurn{OneRay<NodeBoxes>(origin, direction, boxes, lane), OnTheWay(lane)};
+        ++count;
+    }
+    while (count > 0) {
+        for (int i = 0; i < count;) {
+            if (left[i]->ray.step(nodes, left[i]->way, farthest, visitor))
+                ++i;
+            else
+                left[i] = left[--count];
+        }
+    }
+}
+
 void traverse_packet(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, int few, float* farthest,
                      const BoxVisitor& visitor) {
     ManyRays<StillBoxes>(rays, few, {}, visitor).visit(nodes, lanes, farthest);
@@ -339,16 +212,26 @@ void traverse_moving_packet(const BoxNode* nodes, const MovingBoxes& boxes, cons
     ManyRays<BoxesInMotion>(rays, few, {boxes}, visitor).visit(nodes, lanes, farthest);
 }
 
+void traverse_in_turn(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, float* farthest,
+                      const BoxVisitor& visitor) {
+    follow_in_turn(nodes, rays, lanes, StillBoxes(), farthest, visitor);
+}
+
+void traverse_moving_in_turn(const BoxNode* nodes, const MovingBoxes& boxes, const RayPacket& rays, uint32_t lanes,
+                             float* farthest, const BoxVisitor& visitor) {
+    follow_in_turn(nodes, rays, lanes, BoxesInMotion{boxes}, farthest, visitor);
+}
+
 void traverse_alone(const BoxNode* nodes, const Vec3f& origin, const Vec3f& direction, float* farthest,
                     const BoxVisitor& visitor) {
     const float from[3] = {origin.x, origin.y, origin.z}, along[3] = {direction.x, direction.y, direction.z};
-    OneRay<StillBoxes>(from, along, {}, 0).visit(nodes, 0, from, along, 0, farthest, visitor);
+    OneRay<StillBoxes>(from, along, {}, 0).visit(nodes, 0, 0, farthest, visitor);
 }
 
 void traverse_moving_alone(const BoxNode* nodes, const MovingBoxes& boxes, const Vec3f& origin, const Vec3f& direction,
                            float* farthest, const BoxVisitor& visitor) {
     const float from[3] = {origin.x, origin.y, origin.z}, along[3] = {direction.x, direction.y, direction.z};
-    OneRay<BoxesInMotion>(from, along, {boxes}, 0).visit(nodes, 0, from, along, 0, farthest, visitor);
+    OneRay<BoxesInMotion>(from, along, {boxes}, 0).visit(nodes, 0, 0, farthest, visitor);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -361,12 +244,20 @@ namespace rayleaf {
 HWY_EXPORT(traverse_packet);
 HWY_EXPORT(traverse_alone);
 HWY_EXPORT(traverse_moving_packet);
+HWY_EXPORT(traverse_in_turn);
+HWY_EXPORT(traverse_moving_in_turn);
 HWY_EXPORT(traverse_moving_alone);
 
 BoxTraversal box_traversal() {
     choose_kernels();
-    return {&HWY_DYNAMIC_DISPATCH(traverse_packet), &HWY_DYNAMIC_DISPATCH(traverse_alone),
-            &HWY_DYNAMIC_DISPATCH(traverse_moving_packet), &HWY_DYNAMIC_DISPATCH(traverse_moving_alone)};
+    BoxTraversal traversal;
+    traversal.packet = &HWY_DYNAMIC_DISPATCH(traverse_packet);
+    traversal.in_turn = &HWY_DYNAMIC_DISPATCH(traverse_in_turn);
+    traversal.alone = &HWY_DYNAMIC_DISPATCH(traverse_alone);
+    traversal.moving_packet = &HWY_DYNAMIC_DISPATCH(traverse_moving_packet);
+    traversal.moving_in_turn = &HWY_DYNAMIC_DISPATCH(traverse_moving_in_turn);
+    traversal.moving_alone = &HWY_DYNAMIC_DISPATCH(traverse_moving_alone);
+    return traversal;
 }
 
 }  // namespace rayleaf

@@ -1,4 +1,5 @@
-// Rays on their way through a tree of boxes: a packet together while several of its rays meet a node, then each alone.
+// Rays on their way through a tree of boxes: a packet together while several of its rays meet a node, then each alone;
+// or all alone from the beginning, in turn.
 //
 // Boxes are met in single precision; they are padded by more than rounding moves a ray or a box (kBoxPadding).
 #pragma once
@@ -37,12 +38,18 @@ struct BoxTraversal {
     /// `lanes` meet a node together while there are more than `few`. `farthest` is by lane, along the unit direction.
     void (*packet)(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, int few, float* farthest,
                    const BoxVisitor& visitor);
+    /// All rays alone, a step each in turn: what one has to wait for is fetched while the others go on. Faster where a
+    /// tree is far larger than the processor's caches.
+    void (*in_turn)(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, float* farthest,
+                    const BoxVisitor& visitor);
     /// A ray of its own, as lane 0.
     void (*alone)(const BoxNode* nodes, const Vec3f& origin, const Vec3f& direction, float* farthest,
                   const BoxVisitor& visitor);
     /// The same where boxes move.
     void (*moving_packet)(const BoxNode* nodes, const MovingBoxes& boxes, const RayPacket& rays, uint32_t lanes,
                           int few, float* farthest, const BoxVisitor& visitor);
+    void (*moving_in_turn)(const BoxNode* nodes, const MovingBoxes& boxes, const RayPacket& rays, uint32_t lanes,
+                           float* farthest, const BoxVisitor& visitor);
     void (*moving_alone)(const BoxNode* nodes, const MovingBoxes& boxes, const Vec3f& origin, const Vec3f& direction,
                          float* farthest, const BoxVisitor& visitor);
 };

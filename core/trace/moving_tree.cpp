@@ -18,6 +18,25 @@ void MovingTree::packet(const RayPacket& rays, const float* times, uint32_t lane
         traversal_.packet(tree_.nodes(), rays, lanes, few, farthest, visitor);
         return;
     }
+    at_times(times, lanes, [&](const MovingBoxes& boxes, uint32_t together) {
+        traversal_.moving_packet(tree_.nodes(), boxes, rays, together, few, farthest, visitor);
+    });
+}
+
+void MovingTree::in_turn(const RayPacket& rays, const float* times, uint32_t lanes, float* farthest,
+                         const BoxVisitor& visitor) const {
+    if (steps_ == 1) {
+        traversal_.in_turn(tree_.nodes(), rays, lanes, farthest, visitor);
+        return;
+    }
+    at_times(times, lanes, [&](const MovingBoxes& boxes, uint32_t together) {
+        traversal_.moving_in_turn(tree_.nodes(), boxes, rays, together, farthest, visitor);
+    });
+}
+
+/// Hands on the boxes at the times of lanes, those together that lie between the same two steps.
+template <typename Follow>
+void MovingTree::at_times(const float* times, uint32_t lanes, const Follow& follow) const {
     alignas(64) float share[kPacketSize] = {};
     std::array<size_t, kPacketSize> first{};
     for_each_lane(lanes, [&](size_t lane) {
@@ -25,13 +44,11 @@ void MovingTree::packet(const RayPacket& rays, const float* times, uint32_t lane
         first[lane] = step.first;
         share[lane] = static_cast<float>(step.share);
     });
-    // Rays between the same two steps go together.
     while (lanes != 0) {
         const size_t now = first[static_cast<size_t>(__builtin_ctz(lanes))];
         uint32_t together = 0;
         for_each_lane(lanes, [&](size_t lane) { together |= first[lane] == now ? 1u << lane : 0u; });
-        traversal_.moving_packet(tree_.nodes(), {bounds_.data() + now, steps_, share}, rays, together, few, farthest,
-                                 visitor);
+        follow(MovingBoxes{bounds_.data() + now, steps_, share}, together);
         lanes &= ~together;
     }
 }

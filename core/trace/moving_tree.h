@@ -22,6 +22,8 @@ class MovingTree {
     /// As of BoxTraversal; `times` are of the shutter, by lane.
     void packet(const RayPacket& rays, const float* times, uint32_t lanes, int few, float* farthest,
                 const BoxVisitor& visitor) const;
+    void in_turn(const RayPacket& rays, const float* times, uint32_t lanes, float* farthest,
+                 const BoxVisitor& visitor) const;
     void alone(const Vec3f& origin, const Vec3f& direction, float time, float* farthest,
                const BoxVisitor& visitor) const;
 
@@ -30,6 +32,9 @@ class MovingTree {
     BoxTree tree_;
     size_t steps_ = 1;
     LargeArray<BoxBounds> bounds_;  ///< of more than one step
+
+    template <typename Follow>
+    void at_times(const float* times, uint32_t lanes, const Follow& follow) const;
 };
 
 }  // namespace rayleaf

@@ -5,12 +5,6 @@
 #include <optional>
 
 namespace rayleaf {
-namespace {
-
-/// So few rays are parted at once.
-constexpr int kFewStrandRays = 2;
-
-}  // namespace
 
 StrandSpans StrandScene::spans(const Query& query, const Piece& piece, double needs_leave_before) const {
     if (strands_->form() == StrandForm::Spheres) {
@@ -25,25 +19,24 @@ StrandSpans StrandScene::spans(const Query& query, const Piece& piece, double ne
                        needs_leave_before);
 }
 
-/// Pieces and their points lie anywhere in memory, so they are fetched as soon as it is known where they are.
-void StrandScene::meet_leaf(const Query& query, uint32_t leaf, float farthest, MetPieces& met) const {
-    prefetch_lines(&pieces_[leaf], sizeof(LeafPieces));
+/// Pieces and their points lie anywhere in memory, so they are fetched as soon as it is known where they are. Those
+/// that the ray meets first are visited first: a hit rules out those behind it.
+void StrandScene::visit_leaf(Query& query, uint32_t leaf, float& farthest) const {
+    const LeafPieces& pieces = pieces_[leaf];
+    prefetch_lines(&pieces, sizeof(pieces));
     Maybe<Capsules> room;
     const Capsules& capsules = this->capsules(leaf, query.ray->time, room);
-    met.lanes = meet_capsules_(capsules, query.float_frame, {-kAlongError, farthest}, met.nears);
-    for_each_lane(met.lanes, [&](size_t lane) { strands_->prefetch(pieces_[leaf].of[lane].place); });
-}
-
-/// The nearest first: a hit rules out those behind it.
-void StrandScene::visit_pieces(Query& query, uint32_t leaf, const MetPieces& met, float& farthest) const {
-    for (uint32_t lanes = met.lanes; lanes != 0;) {
-        auto nearest = static_cast<uint32_t>(__builtin_ctz(lanes));
-        for_each_lane(lanes, [&](size_t lane) {
-            if (met.nears[lane] < met.nears[nearest]) nearest = static_cast<uint32_t>(lane);
+    float nears[Capsules::kMost];
+    uint32_t met = meet_capsules_(capsules, query.float_frame, {-kAlongError, farthest}, nears);
+    for_each_lane(met, [&](size_t lane) { strands_->prefetch(pieces.of[lane].place); });
+    while (met != 0) {
+        auto nearest = static_cast<uint32_t>(__builtin_ctz(met));
+        for_each_lane(met, [&](size_t lane) {
+            if (nears[lane] < nears[nearest]) nearest = static_cast<uint32_t>(lane);
         });
-        lanes &= ~(1u << nearest);
-        if (!(met.nears[nearest] <= farthest)) return;
-        visit(query, pieces_[leaf].of[nearest]);
+        met &= ~(1u << nearest);
+        if (!(nears[nearest] <= farthest)) return;
+        visit(query, pieces.of[nearest]);
         if (query.found) farthest = query.float_farthest();
     }
 }
@@ -124,18 +117,19 @@ bool StrandScene::is_inside(const Query& query) const {
            query.starts_before_exit(strands_->strand_of(query.best.facet.primitive), query.farthest);
 }
 
+BoxVisitor StrandScene::visitor(BoxVisitor::Visit at_leaf, void* owner) const {
+    return {at_leaf, owner, capsules_.data(), static_cast<uint32_t>(sizeof(Capsules) * strands_->steps())};
+}
+
 void StrandScene::find(const LocalRay& ray, Query& query) const {
     if (tree_.empty()) return;
     const auto visit_one = [](void* owner, uint32_t leaf, uint32_t, float* farthest) {
         Query& asked = *static_cast<Query*>(owner);
-        MetPieces met;
-        asked.scene->meet_leaf(asked, leaf, *farthest, met);
-        asked.scene->visit_pieces(asked, leaf, met, *farthest);
+        asked.scene->visit_leaf(asked, leaf, *farthest);
     };
     for (;;) {
         float farthest = ray.float_distance(query.farthest);
-        tree_.alone(ray.float_origin, ray.float_direction, ray.time, &farthest,
-                    {visit_one, &query, capsules_.data(), static_cast<uint32_t>(sizeof(Capsules) * strands_->steps())});
+        tree_.alone(ray.float_origin, ray.float_direction, ray.time, &farthest, visitor(visit_one, &query));
         if (query.any || !is_inside(query)) return;
         query.restart();
     }
@@ -182,26 +176,17 @@ void StrandScene::find(PacketQuery& packet, Wanted wanted) const {
     packet.found = 0;
     if (tree_.empty()) return;
     Packet asked(*this, packet, wanted);
-    const auto visit_lanes = [](void* owner, uint32_t leaf, uint32_t lanes, float* farthest) {
-        Packet& all = *static_cast<Packet*>(owner);
-        std::array<MetPieces, kPacketSize> met;
-        for_each_lane(lanes, [&](size_t lane) {
-            const Query& query = *all.queries[lane];
-            if (farthest[lane] >= 0.0f) query.scene->meet_leaf(query, leaf, farthest[lane], met[lane]);
-        });
-        for_each_lane(lanes, [&](size_t lane) {
-            Query& query = *all.queries[lane];
-            query.scene->visit_pieces(query, leaf, met[lane], farthest[lane]);
-        });
+    const auto visit_one = [](void* owner, uint32_t leaf, uint32_t lanes, float* farthest) {
+        const auto lane = static_cast<size_t>(__builtin_ctz(lanes));
+        Query& query = *static_cast<Packet*>(owner)->queries[lane];
+        query.scene->visit_leaf(query, leaf, farthest[lane]);
     };
     alignas(64) float farthest[kPacketSize] = {};
     for (uint32_t lanes = packet.lanes; lanes != 0;) {
         for_each_lane(lanes, [&](size_t lane) {
             farthest[lane] = asked.rays[lane]->float_distance(asked.queries[lane]->farthest);
         });
-        tree_.packet(
-            packet.rays, packet.times, lanes, kFewStrandRays, farthest,
-            {visit_lanes, &asked, capsules_.data(), static_cast<uint32_t>(sizeof(Capsules) * strands_->steps())});
+        tree_.in_turn(packet.rays, packet.times, lanes, farthest, visitor(visit_one, &asked));
         uint32_t again = 0;
         for_each_lane(lanes, [&](size_t lane) {
             Query& query = *asked.queries[lane];

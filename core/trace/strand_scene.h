@@ -92,13 +92,8 @@ class StrandScene final : public ShapeScene {
     double place_of(const Piece& piece, double s) const;
     void find(const LocalRay& ray, Query& query) const;
     void find(PacketQuery& packet, Wanted wanted) const;
-    /// The pieces of a leaf that a ray may meet, a bit each, and where at the earliest.
-    struct MetPieces {
-        uint32_t lanes = 0;
-        float nears[Capsules::kMost];
-    };
-    void meet_leaf(const Query& query, uint32_t leaf, float farthest, MetPieces& met) const;
-    void visit_pieces(Query& query, uint32_t leaf, const MetPieces& met, float& farthest) const;
+    BoxVisitor visitor(BoxVisitor::Visit at_leaf, void* owner) const;
+    void visit_leaf(Query& query, uint32_t leaf, float& farthest) const;
     void visit(Query& query, const Piece& piece) const;
     void enter(Query& query, const Piece& piece, const StrandSpan& span) const;
     /// Whether rays know the segment that they start on (RayAnchor::facet).

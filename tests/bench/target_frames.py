@@ -3,7 +3,8 @@ they came, and what a fixed number of samples costs that comes as near.
 
 What a picture is off by is seen in two converged ones of other random numbers, of facets as fine as can be: the product
 of its differences to either, in the mean of pixels and channels. Their own noise drops out of that. Of the worst hundredth
-of pixels, the distance of colours to the mean of both tells it.
+of pixels, the distance of colours to the mean of both tells it. Fixed numbers of samples have the usual facets, which no
+number of samples makes finer, so they are held against converged pictures of the same facets: only their noise counts.
 """
 
 import json
@@ -23,6 +24,7 @@ from rayleaf.settings import core_settings
 
 SEEDS = (101, 202)  # of the converged pictures
 WORST = 0.99  # of pixels are nearer
+MOST_MORE = 4
 
 
 class Pictures:
@@ -41,8 +43,11 @@ class Pictures:
         self._settings = core_settings(*arguments)
         self._settings.update(noise_threshold=0.0, target_error=0.0, time_limit=0.0)
         off = self._core.RayInterpolation()
-        fine = dict(samples=converged, target_error=1e-9, ray_interpolation=off)
-        self._converged = [self._rendered(seed=seed, **fine)[1] for seed in SEEDS]
+        fine, usual = dict(target_error=1e-9), dict(target_error=0.0)
+        self._converged, self._converged_usual = (
+            [self._rendered(samples=converged, ray_interpolation=off, seed=seed, **facets)[1] for seed in SEEDS]
+            for facets in (fine, usual)
+        )
         self._settings["ray_interpolation"] = self._core.RayInterpolation(mode="ON") if interpolates else off
 
     def _rendered(self, **settings):
@@ -52,26 +57,29 @@ class Pictures:
         assert session.render()
         return session, displayed(session.pass_pixels("combined")), time.process_time() - began
 
-    def _off_by(self, picture) -> float:
-        square = float(np.mean((picture - self._converged[0]) * (picture - self._converged[1])))
+    @staticmethod
+    def _off_by(picture, converged) -> float:
+        square = float(np.mean((picture - converged[0]) * (picture - converged[1])))
         return max(square, 0.0) ** 0.5
 
-    def _worst(self, picture) -> float:
-        distances = np.linalg.norm(picture - np.mean(self._converged, axis=0), axis=-1)
+    @staticmethod
+    def _worst(picture, converged) -> float:
+        distances = np.linalg.norm(picture - np.mean(converged, axis=0), axis=-1)
         return float(np.quantile(distances, WORST))
 
     def _fixed(self, measure, wanted: float, count: int) -> tuple[float, float]:
         """Seconds and samples, the same for all pixels, that reach what is wanted of a measure: looked for twice, since
-        errors fall faster than those of independent samples."""
+        errors fall faster than those of independent samples. The second look takes at most MOST_MORE times the samples:
+        one path of enormous weight may have spoilt a pixel for all numbers that could be tried."""
         power, taken, error = 0.5, 0, 0.0
         for _ in range(2):
             before, error_before, taken = taken, error, count
             _, picture, seconds = self._rendered(samples=taken, seed=7)
-            error = measure(picture)
+            error = measure(picture, self._converged_usual)
             if before not in (0, taken) and 0.0 not in (error, error_before):
                 power = min(max(math.log(error_before / error) / math.log(taken / before), 0.5), 1.0)
             more = (error / wanted) ** (1 / power)
-            count = max(round(taken * more), 1)
+            count = max(round(taken * min(more, MOST_MORE)), 1)
         return seconds * more, taken * more
 
     def row(self, setting: str, value: float, most: int) -> dict[str, float]:
@@ -79,7 +87,8 @@ class Pictures:
         self._rendered(samples=1, seed=7, **{setting: value})  # facets and textures are there when time counts
         session, picture, seconds = self._rendered(samples=most, seed=7, **{setting: value})
         counts = session.pass_pixels("sample_count")
-        mean, achieved, worst = float(counts.mean()), self._off_by(picture), self._worst(picture)
+        mean = float(counts.mean())
+        achieved, worst = self._off_by(picture, self._converged), self._worst(picture, self._converged)
         wanted = value if setting == "target_error" else achieved
         fixed_seconds, fixed_samples = self._fixed(self._off_by, wanted, round(mean))
         return dict(
