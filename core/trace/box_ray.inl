@@ -64,6 +64,11 @@ struct BoxesInMotion {
     HWY_INLINE float share(uint32_t lane) const { return of.share[lane]; }
 };
 
+/// One over a component of a direction, never infinite.
+HWY_INLINE float inverse_of(float component) {
+    return std::abs(component) > 1.0f / kHuge ? 1.0f / component : std::copysign(kHuge, component);
+}
+
 /// Whether a ray meets the slabs.
 HWY_INLINE bool meets(const OrientedBox& box, const float (&origin)[3], const float (&direction)[3], float farthest) {
     float near = 0.0f, far = farthest;
@@ -71,7 +76,7 @@ HWY_INLINE bool meets(const OrientedBox& box, const float (&origin)[3], const fl
         const float(&axis)[3] = box.axis[i];
         const float place = axis[0] * origin[0] + axis[1] * origin[1] + axis[2] * origin[2];
         const float speed = axis[0] * direction[0] + axis[1] * direction[1] + axis[2] * direction[2];
-        const float inverse = std::abs(speed) > 1.0f / kHuge ? 1.0f / speed : std::copysign(kHuge, speed);
+        const float inverse = inverse_of(speed);
         const float a = (box.low[i] - place) * inverse, b = (box.high[i] - place) * inverse;
         near = std::max(near, std::min(a, b));
         far = std::min(far, std::max(a, b));
@@ -95,11 +100,9 @@ class OneRay {
     HWY_INLINE OneRay(const float (&origin)[3], const float (&direction)[3], const NodeBoxes& boxes, uint32_t lane)
         : boxes_(boxes), share_(hn::Set(Boxes(), boxes.share(lane))) {
         for (int axis = 0; axis < 3; ++axis) {
-            const float component = direction[axis];
-            const float inverse =
-                std::abs(component) > 1.0f / kHuge ? 1.0f / component : std::copysign(kHuge, component);
+            const float inverse = inverse_of(direction[axis]);
             origin_[axis] = origin[axis];
-            direction_[axis] = component;
+            direction_[axis] = direction[axis];
             near_side_[axis] = inverse < 0.0f ? 1 : 0;
             inverse_[axis] = hn::Set(Boxes(), inverse);
             offset_[axis] = hn::Set(Boxes(), origin[axis] * inverse);
@@ -156,6 +159,7 @@ class OneRay {
         return false;
     }
     /// Makes the nearest child that is met the next; the others wait, the nearest of them last. False if none is.
+    /// kFetch: what waits is fetched.
     template <bool kFetch>
     HWY_INLINE bool go_down(const BoxNode* nodes, float farthest, uint32_t& next, uint64_t* waiting, int& count,
                             const BoxVisitor& visitor) const {

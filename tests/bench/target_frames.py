@@ -24,7 +24,7 @@ from rayleaf.settings import core_settings
 
 SEEDS = (101, 202)  # of the converged pictures
 WORST = 0.99  # of pixels are nearer
-MOST_MORE = 4
+MOST_MORE = 4  # times the samples of the first look, in the second
 
 
 class Pictures:
