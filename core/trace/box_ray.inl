@@ -86,11 +86,11 @@ HWY_INLINE bool meets(const OrientedBox& box, const float (&origin)[3], const fl
 
 /// Where a ray alone is: at a node or an item, with others that wait.
 struct OnTheWay {
-    uint32_t lane, next = 0;
+    uint32_t lane, next;
     int count = 0;
     uint64_t waiting[kMostWaiting];  ///< not initialised
 
-    explicit OnTheWay(uint32_t of_lane) : lane(of_lane) {}
+    OnTheWay(uint32_t of_lane, uint32_t root) : lane(of_lane), next(root) {}
 };
 
 /// One ray: the children of a node in the lanes.
@@ -111,30 +111,13 @@ class OneRay {
     /// Goes on until nothing is left.
     HWY_INLINE void visit(const BoxNode* nodes, uint32_t root, uint32_t lane, float* farthest,
                           const BoxVisitor& visitor) const {
-        uint64_t waiting[kMostWaiting];
-        int count = 0;
-        waiting[count++] = waiting_at(0.0f, root);
-        while (count > 0) {
-            const uint64_t next = waiting[--count];
-            if (!(near_of(next) <= farthest[lane])) continue;
-            auto child = static_cast<uint32_t>(next);
-            while ((child & BoxNode::kLeaf) == 0 &&
-                   go_down<true>(nodes, farthest[lane], child, waiting, count, visitor)) {
-            }
-            if ((child & BoxNode::kLeaf) != 0) visit_item(child & ~BoxNode::kLeaf, lane, farthest, visitor);
+        OnTheWay way(lane, root);
+        while (advance<true>(nodes, way, farthest, visitor)) {
         }
     }
-    /// Visits what is next, a node or an item, and fetches what comes then; false once nothing is left.
+    /// Visits what is next and fetches what comes then; false once nothing is left.
     HWY_INLINE bool step(const BoxNode* nodes, OnTheWay& way, float* farthest, const BoxVisitor& visitor) const {
-        if ((way.next & BoxNode::kLeaf) == 0) {
-            if (go_down<false>(nodes, farthest[way.lane], way.next, way.waiting, way.count, visitor)) {
-                fetch(nodes, way.next, visitor);
-                return true;
-            }
-        } else {
-            visit_item(way.next & ~BoxNode::kLeaf, way.lane, farthest, visitor);
-        }
-        if (!take_waiting(way, farthest[way.lane])) return false;
+        if (!advance<false>(nodes, way, farthest, visitor)) return false;
         fetch(nodes, way.next, visitor);
         return true;
     }
@@ -150,6 +133,15 @@ class OneRay {
         if (!visitor.oriented || meets(visitor.oriented[item], origin_, direction_, farthest[lane]))
             visitor.visit(visitor.owner, item, 1u << lane, farthest);
     }
+    /// Visits what is next, a node or an item; false once nothing is left. kFetch: what waits is fetched.
+    template <bool kFetch>
+    HWY_INLINE bool advance(const BoxNode* nodes, OnTheWay& way, float* farthest, const BoxVisitor& visitor) const {
+        if ((way.next & BoxNode::kLeaf) != 0)
+            visit_item(way.next & ~BoxNode::kLeaf, way.lane, farthest, visitor);
+        else if (go_down<kFetch>(nodes, farthest[way.lane], way.next, way.waiting, way.count, visitor))
+            return true;
+        return take_waiting(way, farthest[way.lane]);
+    }
     static HWY_INLINE bool take_waiting(OnTheWay& way, float farthest) {
         while (way.count > 0) {
             const uint64_t waiting = way.waiting[--way.count];
@@ -159,7 +151,6 @@ class OneRay {
         return false;
     }
     /// Makes the nearest child that is met the next; the others wait, the nearest of them last. False if none is.
-    /// kFetch: what waits is fetched.
     template <bool kFetch>
     HWY_INLINE bool go_down(const BoxNode* nodes, float farthest, uint32_t& next, uint64_t* waiting, int& count,
                             const BoxVisitor& visitor) const {

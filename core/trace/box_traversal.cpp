@@ -189,7 +189,7 @@ HWY_INLINE void follow_in_turn(const BoxNode* nodes, const RayPacket& rays, uint
         const float direction[3] = {rays.unit_direction[0][lane], rays.unit_direction[1][lane],
                                     rays.unit_direction[2][lane]};
         left[count] = new (room + sizeof(InTurn) * static_cast<size_t>(count))
-            InTurn{OneRay<NodeBoxes>(origin, direction, boxes, lane), OnTheWay(lane)};
+            InTurn{OneRay<NodeBoxes>(origin, direction, boxes, lane), OnTheWay(lane, 0)};
         ++count;
     }
     while (count > 0) {
