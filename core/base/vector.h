@@ -110,6 +110,12 @@ inline Affine3d operator*(const Affine3d& outer, const Affine3d& inner) {
     return {outer.vector(inner.x), outer.vector(inner.y), outer.vector(inner.z), outer.point(inner.translation)};
 }
 
+/// Half the area of its surface.
+inline double half_area(const Box3d& box) {
+    const Vec3d size = box.max - box.min;
+    return size.x * size.y + size.y * size.z + size.z * size.x;
+}
+
 /// Bounds of a box's image.
 inline Box3d image_of(const Box3d& box, const Affine3d& map) {
     if (box.isEmpty()) return {};

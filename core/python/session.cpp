@@ -127,19 +127,20 @@ py::dict session_statistics(const Session& session) {
     using namespace py::literals;
     const RenderStatistics s = session.statistics();
     const TraceStatistics& t = s.trace;
-    return py::dict("time"_a = py::dict("build_seconds"_a = s.build_seconds, "render_seconds"_a = s.render_seconds),
-                    "rays"_a = rays(s), "hemispheres"_a = hemispheres(s),
-                    "geometry"_a = py::dict("shapes"_a = t.shapes, "instances"_a = t.instances,
-                                            "triangles"_a = t.triangles, "subpatches"_a = t.subpatches,
-                                            "kept_shapes"_a = t.kept_shapes, "resident_shapes"_a = t.resident_shapes,
-                                            "limit_normals"_a = limit_normals(t.limit_normals)),
-                    "curves"_a = curves(s), "geometry_cache"_a = geometry_cache_statistics(t.geometry),
-                    "error"_a = error(s), "lights"_a = s.lights, "ray_caches"_a = ray_caches(s),
-                    "memory"_a = py::dict(
-                        "shapes"_a = s.shape_bytes, "facets"_a = t.facet_bytes, "grids"_a = t.geometry.bytes,
-                        "subpatches"_a = t.record_bytes, "acceleration"_a = t.bvh_bytes, "lights"_a = s.light_bytes,
-                        "film"_a = s.film_bytes, "irradiance"_a = s.irradiance_bytes, "textures"_a = s.textures.bytes),
-                    "shape_bytes"_a = shape_bytes(s.shapes_of), "left_out"_a = left_out(s, session.film()));
+    return py::dict(
+        "time"_a = py::dict("build_seconds"_a = s.build_seconds, "render_seconds"_a = s.render_seconds),
+        "rays"_a = rays(s), "hemispheres"_a = hemispheres(s),
+        "geometry"_a = py::dict("shapes"_a = t.shapes, "instances"_a = t.instances, "triangles"_a = t.triangles,
+                                "subpatches"_a = t.subpatches, "opened_instances"_a = t.opened_instances,
+                                "kept_shapes"_a = t.kept_shapes, "resident_shapes"_a = t.resident_shapes,
+                                "limit_normals"_a = limit_normals(t.limit_normals)),
+        "curves"_a = curves(s), "geometry_cache"_a = geometry_cache_statistics(t.geometry), "error"_a = error(s),
+        "lights"_a = s.lights, "ray_caches"_a = ray_caches(s),
+        "memory"_a =
+            py::dict("shapes"_a = s.shape_bytes, "facets"_a = t.facet_bytes, "grids"_a = t.geometry.bytes,
+                     "subpatches"_a = t.record_bytes, "acceleration"_a = t.bvh_bytes, "lights"_a = s.light_bytes,
+                     "film"_a = s.film_bytes, "irradiance"_a = s.irradiance_bytes, "textures"_a = s.textures.bytes),
+        "shape_bytes"_a = shape_bytes(s.shapes_of), "left_out"_a = left_out(s, session.film()));
 }
 
 int checked_blocks(int size) {

@@ -306,6 +306,7 @@ py::dict tracer_statistics(const Tracer& tracer) {
     result["triangles"] = s.triangles;
     result["instances"] = s.instances;
     result["shapes"] = s.shapes;
+    result["opened_instances"] = s.opened_instances;
     return result;
 }
 

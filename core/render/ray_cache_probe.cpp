@@ -323,7 +323,7 @@ void Probe::make_trees() {
 }
 
 void Probe::give(const Trial& trial, const std::shared_ptr<const RayCacheAdapter>& object) {
-    for (const uint32_t instance : candidates_[trial.candidate].instances) scene_.set_ray_cache(instance, object);
+    scene_.set_ray_cache(candidates_[trial.candidate].instances, object);
 }
 
 std::vector<Probe::BlockCounts> Probe::render_block(const Block& block) const {

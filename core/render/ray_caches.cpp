@@ -92,7 +92,7 @@ void RayCaches::use(FrameCache& each, Scene& scene, double neighbour_scale, RayC
     const auto number = static_cast<uint32_t>(&each - frame_.data()) + 1;
     const auto object = std::make_shared<const RayCacheAdapter>(number, each.cache, planned.shape, planned.samples.kind,
                                                                 neighbour_scale, cancel);
-    for (const uint32_t instance : planned.instances) scene.set_ray_cache(instance, object);
+    scene.set_ray_cache(planned.instances, object);
 }
 
 std::vector<RayCacheReport> RayCaches::report() const {

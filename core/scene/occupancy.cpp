@@ -2,7 +2,7 @@
 
 #include "geometry/patch_surface.h"
 #include "geometry/triangle_mesh.h"
-#include "trace/part_boxes.h"
+#include "trace/shape_parts.h"
 
 #include <algorithm>
 #include <numeric>

@@ -229,9 +229,9 @@ const VolumeVisualisation* Scene::volume(uint32_t instance) const {
     return first.volume ? &*first.volume : nullptr;
 }
 
-void Scene::set_ray_cache(uint32_t instance, std::shared_ptr<const LocalRayCache> cache) {
-    cached_ += (cache ? 1 : 0) - (tracer_->cache(instance) ? 1 : 0);
-    tracer_->set_cache(instance, std::move(cache));
+void Scene::set_ray_cache(std::span<const uint32_t> instances, const std::shared_ptr<const LocalRayCache>& cache) {
+    for (const uint32_t instance : instances) cached_ += (cache ? 1 : 0) - (tracer_->cache(instance) ? 1 : 0);
+    tracer_->set_cache(instances, cache);
 }
 
 std::vector<EmittingInstance> Scene::emitting_instances(const CancelToken& cancel) const {

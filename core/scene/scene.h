@@ -98,8 +98,8 @@ class Scene {
     const GlassBody* glass_body(uint32_t instance) const {
         return glass_bodies_.empty() || !glass_bodies_[instance] ? nullptr : &*glass_bodies_[instance];
     }
-    /// Ray caches of the instances that have one (null: none). Before rendering only.
-    void set_ray_cache(uint32_t instance, std::shared_ptr<const LocalRayCache> cache);
+    /// A ray cache of some instances (null: none). Before rendering only.
+    void set_ray_cache(std::span<const uint32_t> instances, const std::shared_ptr<const LocalRayCache>& cache);
     /// Whether what is seen by way of an interpolated hit depends on its ray differential.
     bool needs_differentials() const { return textures_ != nullptr || reads_footprints_ || cached_ > 1; }
     /// Whether anything depends on how far apart the rays of a picture are: dicing by the width of rays, textures, ray

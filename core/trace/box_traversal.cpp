@@ -63,12 +63,12 @@ class ManyRays {
             }
         }
     }
-    HWY_INLINE void visit(const BoxNode* nodes, uint32_t lanes, float* farthest) {
+    HWY_INLINE void visit(const BoxNode* nodes, uint32_t root, uint32_t lanes, float* farthest) {
         count_ = 0;
-        WaitingPacket& root = waiting_[count_++];
-        root.child = 0;
-        root.lanes = lanes;
-        for (float& near : root.near) near = 0.0f;
+        WaitingPacket& first = waiting_[count_++];
+        first.child = root;
+        first.lanes = lanes;
+        for (float& near : first.near) near = 0.0f;
         while (count_ > 0) {
             const WaitingPacket& next = waiting_[--count_];
             const uint32_t child = next.child, left = next.lanes & reached(next.near, farthest);
@@ -202,14 +202,14 @@ HWY_INLINE void follow_in_turn(const BoxNode* nodes, const RayPacket& rays, uint
     }
 }
 
-void traverse_packet(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, int few, float* farthest,
-                     const BoxVisitor& visitor) {
-    ManyRays<StillBoxes>(rays, few, {}, visitor).visit(nodes, lanes, farthest);
+void traverse_packet(const BoxNode* nodes, uint32_t root, const RayPacket& rays, uint32_t lanes, int few,
+                     float* farthest, const BoxVisitor& visitor) {
+    ManyRays<StillBoxes>(rays, few, {}, visitor).visit(nodes, root, lanes, farthest);
 }
 
-void traverse_moving_packet(const BoxNode* nodes, const MovingBoxes& boxes, const RayPacket& rays, uint32_t lanes,
-                            int few, float* farthest, const BoxVisitor& visitor) {
-    ManyRays<BoxesInMotion>(rays, few, {boxes}, visitor).visit(nodes, lanes, farthest);
+void traverse_moving_packet(const BoxNode* nodes, uint32_t root, const MovingBoxes& boxes, const RayPacket& rays,
+                            uint32_t lanes, int few, float* farthest, const BoxVisitor& visitor) {
+    ManyRays<BoxesInMotion>(rays, few, {boxes}, visitor).visit(nodes, root, lanes, farthest);
 }
 
 void traverse_in_turn(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, float* farthest,
@@ -222,16 +222,16 @@ void traverse_moving_in_turn(const BoxNode* nodes, const MovingBoxes& boxes, con
     follow_in_turn(nodes, rays, lanes, BoxesInMotion{boxes}, farthest, visitor);
 }
 
-void traverse_alone(const BoxNode* nodes, const Vec3f& origin, const Vec3f& direction, float* farthest,
+void traverse_alone(const BoxNode* nodes, uint32_t root, const Vec3f& origin, const Vec3f& direction, float* farthest,
                     const BoxVisitor& visitor) {
     const float from[3] = {origin.x, origin.y, origin.z}, along[3] = {direction.x, direction.y, direction.z};
-    OneRay<StillBoxes>(from, along, {}, 0).visit(nodes, 0, 0, farthest, visitor);
+    OneRay<StillBoxes>(from, along, {}, 0).visit(nodes, root, 0, farthest, visitor);
 }
 
-void traverse_moving_alone(const BoxNode* nodes, const MovingBoxes& boxes, const Vec3f& origin, const Vec3f& direction,
-                           float* farthest, const BoxVisitor& visitor) {
+void traverse_moving_alone(const BoxNode* nodes, uint32_t root, const MovingBoxes& boxes, const Vec3f& origin,
+                           const Vec3f& direction, float* farthest, const BoxVisitor& visitor) {
     const float from[3] = {origin.x, origin.y, origin.z}, along[3] = {direction.x, direction.y, direction.z};
-    OneRay<BoxesInMotion>(from, along, {boxes}, 0).visit(nodes, 0, 0, farthest, visitor);
+    OneRay<BoxesInMotion>(from, along, {boxes}, 0).visit(nodes, root, 0, farthest, visitor);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -36,22 +36,23 @@ inline constexpr float kDone = -std::numeric_limits<float>::infinity();
 
 struct BoxTraversal {
     /// `lanes` meet a node together while there are more than `few`. `farthest` is by lane, along the unit direction.
-    void (*packet)(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, int few, float* farthest,
+    /// They begin at `root`: 0, or a node's child.
+    void (*packet)(const BoxNode* nodes, uint32_t root, const RayPacket& rays, uint32_t lanes, int few, float* farthest,
                    const BoxVisitor& visitor);
-    /// All rays alone, a step each in turn: what one has to wait for is fetched while the others go on. Faster where a
-    /// tree is far larger than the processor's caches.
+    /// All rays alone, from the first node on, a step each in turn: what one has to wait for is fetched while the
+    /// others go on. Faster where a tree is far larger than the processor's caches.
     void (*in_turn)(const BoxNode* nodes, const RayPacket& rays, uint32_t lanes, float* farthest,
                     const BoxVisitor& visitor);
     /// A ray of its own, as lane 0.
-    void (*alone)(const BoxNode* nodes, const Vec3f& origin, const Vec3f& direction, float* farthest,
+    void (*alone)(const BoxNode* nodes, uint32_t root, const Vec3f& origin, const Vec3f& direction, float* farthest,
                   const BoxVisitor& visitor);
     /// The same where boxes move.
-    void (*moving_packet)(const BoxNode* nodes, const MovingBoxes& boxes, const RayPacket& rays, uint32_t lanes,
-                          int few, float* farthest, const BoxVisitor& visitor);
+    void (*moving_packet)(const BoxNode* nodes, uint32_t root, const MovingBoxes& boxes, const RayPacket& rays,
+                          uint32_t lanes, int few, float* farthest, const BoxVisitor& visitor);
     void (*moving_in_turn)(const BoxNode* nodes, const MovingBoxes& boxes, const RayPacket& rays, uint32_t lanes,
                            float* farthest, const BoxVisitor& visitor);
-    void (*moving_alone)(const BoxNode* nodes, const MovingBoxes& boxes, const Vec3f& origin, const Vec3f& direction,
-                         float* farthest, const BoxVisitor& visitor);
+    void (*moving_alone)(const BoxNode* nodes, uint32_t root, const MovingBoxes& boxes, const Vec3f& origin,
+                         const Vec3f& direction, float* farthest, const BoxVisitor& visitor);
 };
 /// The versions for this machine's processor.
 BoxTraversal box_traversal();

@@ -20,6 +20,13 @@ namespace rayleaf {
 
 class TracedShapeStore;
 
+/// What the tree above the instances holds.
+struct TreeItem {
+    uint32_t instance = 0;
+    uint32_t root = 0;  ///< of the part of its shape that the item is (ShapePart), or 0
+    int part = -1;      ///< among ShapeScene::parts; -1: the instance as a whole
+};
+
 /// Below, `of shapes`: by the number of a shape, in the order in which instances first have them.
 struct InstanceTable {
     ChunkedVector<TracedInstance> instances;
@@ -33,19 +40,25 @@ struct InstanceTable {
     uint32_t moving = 0;       ///< instances that do
     Box3d bounds;
     LocalFrame frame;                   ///< world -> the space of the tree
-    BoxTree tree;                       ///< of instances; empty where there are few
-    std::vector<OrientedBox> oriented;  ///< of instances, in that space, where there is a tree
+    BoxTree tree;                       ///< above the instances; empty where there are few
+    std::vector<TreeItem> items;        ///< of the tree, instance after instance
+    std::vector<OrientedBox> oriented;  ///< of items, in that space
 
     /// Makes it the table of these instances. `store` may be null. After an exception, Cancelled too, it is of no use.
     void update(ChunkedVector<TracedInstance> instances_now, const DicingView& view_now, uint64_t resident_budget,
                 TracedShapeStore* store, const CancelToken& cancel);
+    /// Instances that the tree holds in parts.
+    size_t opened() const;
     /// How many chunks of instances it has in common with others.
     size_t likeness(const ChunkedVector<TracedInstance>& others) const;
+    /// Once other instances than before ask ray caches: these are told of all rays that meet the whole instance.
+    void take_caches();
 
   private:
     DicingView view_;
     uint64_t resident_budget_ = 0;
-    uint32_t moved_ = 0;  ///< instances since the tree was built
+    uint32_t moved_ = 0;                ///< instances since the tree was built
+    std::vector<uint32_t> first_item_;  ///< of each instance, and at the end the number of items
 
     /// What an update has found.
     struct Changes {
@@ -61,8 +74,14 @@ struct InstanceTable {
     void set_bounds();
     bool frame_holds() const;
     void renew_tree(std::span<const uint32_t> placed, const CancelToken& cancel);
-    Box3f box_in_tree(uint32_t index) const;
-    OrientedBox oriented_in_tree(uint32_t index) const;
+    void build_tree(std::span<const uint8_t> open, const CancelToken& cancel);
+    bool refit_tree(std::span<const uint32_t> placed);
+    std::vector<uint8_t> choose_open() const;
+    void set_items(std::span<const uint8_t> open);
+    bool set_items_of(uint32_t instance);
+    bool is_open(uint32_t instance) const { return first_item_[instance + 1] - first_item_[instance] > 1; }
+    Box3f box_in_tree(const TreeItem& item) const;
+    OrientedBox oriented_in_tree(const TreeItem& item) const;
 };
 
 }  // namespace rayleaf

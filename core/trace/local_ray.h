@@ -58,6 +58,7 @@ struct LocalRay {
     Maybe<LocalSight> before;                       ///< of the ray that found the start, where it matters
     const GeometryCache::Reader* reader = nullptr;  ///< of this thread; null: the shape gets one
 
+    uint32_t root = 0;                        ///< of the shape's part that it may meet (ShapePart), or of all
     float time = kMiddleTime;                 ///< of the shutter, within it
     uint32_t start_facet = RayAnchor::kNone;  ///< Ray's, where it starts on this instance
     double start = 0;                         ///< t of the float ray's origin

@@ -12,14 +12,14 @@ MovingTree::MovingTree(BoxTree tree, size_t steps, const std::function<Box3f(uin
     if (steps > 1) bounds_ = tree_.moving_bounds(steps, box_of);
 }
 
-void MovingTree::packet(const RayPacket& rays, const float* times, uint32_t lanes, int few, float* farthest,
-                        const BoxVisitor& visitor) const {
+void MovingTree::packet(uint32_t root, const RayPacket& rays, const float* times, uint32_t lanes, int few,
+                        float* farthest, const BoxVisitor& visitor) const {
     if (steps_ == 1) {
-        traversal_.packet(tree_.nodes(), rays, lanes, few, farthest, visitor);
+        traversal_.packet(tree_.nodes(), root, rays, lanes, few, farthest, visitor);
         return;
     }
     at_times(times, lanes, [&](const MovingBoxes& boxes, uint32_t together) {
-        traversal_.moving_packet(tree_.nodes(), boxes, rays, together, few, farthest, visitor);
+        traversal_.moving_packet(tree_.nodes(), root, boxes, rays, together, few, farthest, visitor);
     });
 }
 
@@ -53,16 +53,16 @@ void MovingTree::at_times(const float* times, uint32_t lanes, const Follow& foll
     }
 }
 
-void MovingTree::alone(const Vec3f& origin, const Vec3f& direction, float time, float* farthest,
+void MovingTree::alone(uint32_t root, const Vec3f& origin, const Vec3f& direction, float time, float* farthest,
                        const BoxVisitor& visitor) const {
     if (steps_ == 1) {
-        traversal_.alone(tree_.nodes(), origin, direction, farthest, visitor);
+        traversal_.alone(tree_.nodes(), root, origin, direction, farthest, visitor);
         return;
     }
     const StepShare step = step_share(time, steps_);
     const auto share = static_cast<float>(step.share);
-    traversal_.moving_alone(tree_.nodes(), {bounds_.data() + step.first, steps_, &share}, origin, direction, farthest,
-                            visitor);
+    traversal_.moving_alone(tree_.nodes(), root, {bounds_.data() + step.first, steps_, &share}, origin, direction,
+                            farthest, visitor);
 }
 
 }  // namespace rayleaf

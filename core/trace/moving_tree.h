@@ -20,11 +20,11 @@ class MovingTree {
     const BoxTree& still() const { return tree_; }
     uint64_t bytes() const { return tree_.bytes() + bounds_.bytes(); }
     /// As of BoxTraversal; `times` are of the shutter, by lane.
-    void packet(const RayPacket& rays, const float* times, uint32_t lanes, int few, float* farthest,
+    void packet(uint32_t root, const RayPacket& rays, const float* times, uint32_t lanes, int few, float* farthest,
                 const BoxVisitor& visitor) const;
     void in_turn(const RayPacket& rays, const float* times, uint32_t lanes, float* farthest,
                  const BoxVisitor& visitor) const;
-    void alone(const Vec3f& origin, const Vec3f& direction, float time, float* farthest,
+    void alone(uint32_t root, const Vec3f& origin, const Vec3f& direction, float time, float* farthest,
                const BoxVisitor& visitor) const;
 
   private:

@@ -1,7 +1,7 @@
 #include "trace/resident_scene.h"
 
 #include "tessellation/level.h"
-#include "trace/part_boxes.h"
+#include "trace/shape_parts.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -35,7 +35,7 @@ ResidentScene::ResidentScene(const Shape& shape, std::vector<DicedSurface> forms
     Box3f box;
     for (const DicedSurface& form : forms) box.extendBy(form.box);
     if (!tree_.empty()) set_box(box);
-    set_parts(part_boxes(tree_.still()));
+    set_parts(parts_of(tree_.still()));
     dicer_ = std::move(forms.front().dicer);
 }
 
@@ -93,7 +93,7 @@ bool ResidentScene::find(const LocalRay& ray, ShapeHit& hit, Wanted wanted) cons
         *farthest = asked.wanted == Wanted::Any ? kDone : asked.facets.ray->float_distance(asked.facets.farthest);
     };
     float farthest = ray.float_distance(ray.t_max);
-    tree_.alone(ray.float_origin, ray.float_direction, ray.time, &farthest, visitor(visit_block, &query));
+    tree_.alone(ray.root, ray.float_origin, ray.float_direction, ray.time, &farthest, visitor(visit_block, &query));
     return query.facets.found;
 }
 
@@ -123,7 +123,7 @@ bool ResidentScene::find_all(const LocalRay& ray, uint32_t instance, PassedHits&
         }
     };
     float farthest = ray.float_distance(ray.t_max);
-    tree_.alone(ray.float_origin, ray.float_direction, ray.time, &farthest, visitor(visit_block, &asked));
+    tree_.alone(ray.root, ray.float_origin, ray.float_direction, ray.time, &farthest, visitor(visit_block, &asked));
     return passed.is_closed();
 }
 
@@ -189,7 +189,8 @@ void ResidentScene::find(PacketQuery& packet, Wanted wanted) const {
     std::copy_n(packet.rays.farthest, kPacketSize, farthest);
     Packet asked{this, &packet};
     const BoxVisitor::Visit visit_block = wanted == Wanted::Any ? BoxVisitor::Visit{visit_any} : visit_closest;
-    tree_.packet(packet.rays, packet.times, packet.lanes, kFewBlockRays, farthest, visitor(visit_block, &asked));
+    tree_.packet(packet.root, packet.rays, packet.times, packet.lanes, kFewBlockRays, farthest,
+                 visitor(visit_block, &asked));
     decide(packet, packet.lanes, farthest);
 }
 

@@ -2,7 +2,7 @@
 
 #include "geometry/patch_surface.h"
 #include "geometry/subdivision_surface.h"
-#include "trace/part_boxes.h"
+#include "trace/shape_parts.h"
 
 #include <algorithm>
 #include <limits>
@@ -26,15 +26,16 @@ void ShapeScene::set_box(const Box3f& box) {
     box_ = Box3d(Vec3d(box.min) - padding, Vec3d(box.max) + padding);
 }
 
-void ShapeScene::set_parts(std::vector<Box3d> parts) {
+void ShapeScene::set_parts(std::vector<ShapePart> parts) {
     parts_ = std::move(parts);
     const Vec3d padding(kBoxPadding);
-    for (Box3d& part : parts_) part = Box3d(part.min - padding, part.max + padding);
+    for (ShapePart& part : parts_) part.box = Box3d(part.box.min - padding, part.box.max + padding);
 }
 
 Box3d ShapeScene::image(const Affine3d& map) const {
     Box3d box = image_of(box_, map);
-    const Box3d of_parts = image_of(std::span(parts_), map);
+    Box3d of_parts;
+    for (const ShapePart& part : parts_) of_parts.extendBy(image_of(part.box, map));
     if (box.isEmpty() || of_parts.isEmpty()) return box;
     for (int axis = 0; axis < 3; ++axis) {
         box.min[axis] = std::max(box.min[axis], of_parts.min[axis]);

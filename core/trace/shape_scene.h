@@ -19,11 +19,14 @@
 #include "trace/embree.h"
 #include "trace/local_ray.h"
 #include "trace/passed_hits.h"
+#include "trace/shape_parts.h"
 
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace rayleaf {
 
@@ -122,6 +125,7 @@ struct PacketQuery {
     Coherence coherence;
     uint32_t lanes = 0;  ///< those that are asked, a bit each
     uint32_t found = 0;  ///< those that hit something
+    uint32_t root = 0;   ///< LocalRay's
     RayPacket rays;
     struct Best {
         FacetId facet;
@@ -171,6 +175,10 @@ class ShapeScene {
     bool deforms() const { return deforms_; }
     /// Bounds of everything a ray can hit, local space, padded for float rays; empty for an empty shape.
     const Box3d& box() const { return box_; }
+    /// Parts that rays can be asked to meet alone, together all of it; none: it is met as a whole.
+    std::span<const ShapePart> parts() const {
+        return kind_ == FacetKind::Resident ? std::span(parts_) : std::span<const ShapePart>();
+    }
     /// The same of its image.
     Box3d image(const Affine3d& map) const;
 
@@ -238,8 +246,8 @@ class ShapeScene {
     void set_scene(EmbreeScene scene, const Box3f& box);
     /// The same of a shape that has a tree of its own.
     void set_box(const Box3f& box);
-    /// Boxes that together hold what that box holds, not yet padded; see trace/part_boxes.h.
-    void set_parts(std::vector<Box3d> parts);
+    /// Parts whose boxes together hold what that box holds, not yet padded.
+    void set_parts(std::vector<ShapePart> parts);
     RTCScene embree_scene() const { return scene_.get(); }
     const GeometryCache* geometry_cache() const { return geometry_cache_; }
     uint32_t first_subpatch() const { return first_subpatch_; }
@@ -258,7 +266,7 @@ class ShapeScene {
     uint32_t first_subpatch_ = 0;
     EmbreeScene scene_;
     Box3d box_;
-    std::vector<Box3d> parts_;  ///< none: the box is all that is known
+    std::vector<ShapePart> parts_;  ///< none: the box is all that is known
 };
 
 }  // namespace rayleaf

@@ -54,7 +54,7 @@ bool StrandScene::find_holding(Query& query, uint32_t strand, double distance) c
         asked.scene->visit_holding(asked, leaf);
     };
     float reach = kAlongError;
-    tree_.alone(position, query.float_frame.along, query.ray->time, &reach, {visit_holders, &query});
+    tree_.alone(0, position, query.float_frame.along, query.ray->time, &reach, {visit_holders, &query});
     return query.holds;
 }
 

@@ -1,5 +1,5 @@
 // How a scene of strands is made: segments cut into pieces, and the tree over them.
-#include "trace/part_boxes.h"
+#include "trace/shape_parts.h"
 #include "trace/strand_scene.h"
 
 #include <algorithm>
@@ -21,18 +21,13 @@ constexpr std::array<double, kMostHalvings> kWorthHalving{0.75, 0.75, 0.62};
 /// the time.
 constexpr uint32_t kPiecesOfItem = 2;
 
-double surface_area(const Box3d& box) {
-    const Vec3d size = box.max - box.min;
-    return size.x * size.y + size.y * size.z + size.z * size.x;
-}
-
 }  // namespace
 
 StrandScene::StrandScene(const Strands& strands, const CancelToken& cancel)
     : ShapeScene(strands, FacetKind::Strands), strands_(&strands), meet_capsules_(capsule_kernel()) {
     build_tree(all_pieces(cancel), cancel);
     if (!tree_.empty()) set_box(strands.bounds());
-    set_parts(part_boxes(tree_.still()));
+    set_parts(parts_of(tree_.still()));
 }
 
 /// Segments are taken in parts, which count first, so that each knows where what it makes belongs.
@@ -173,14 +168,14 @@ void StrandScene::set_capsule(Capsules& capsules, uint32_t lane, const Piece& pi
 uint16_t StrandScene::split_level(const StrandSegment& segment) const {
     std::array<StrandSegment, 1u << kMostHalvings> parts;  // of the level, spread evenly
     parts[0] = segment;
-    double area = surface_area(segment.bounds());
+    double area = half_area(segment.bounds());
     for (uint16_t level = 0; level < kMostHalvings; ++level) {
         const size_t whole = parts.size() >> level, half = whole / 2;
         double halved = 0.0;
         for (size_t i = 0; i < parts.size(); i += whole) {
             parts[i].halve(parts[i], parts[i + half]);
-            halved += surface_area(parts[i].bounds());
-            halved += surface_area(parts[i + half].bounds());
+            halved += half_area(parts[i].bounds());
+            halved += half_area(parts[i + half].bounds());
         }
         if (!(halved < kWorthHalving[level] * area)) return level;
         area = halved;

@@ -129,7 +129,7 @@ void StrandScene::find(const LocalRay& ray, Query& query) const {
     };
     for (;;) {
         float farthest = ray.float_distance(query.farthest);
-        tree_.alone(ray.float_origin, ray.float_direction, ray.time, &farthest, visitor(visit_one, &query));
+        tree_.alone(0, ray.float_origin, ray.float_direction, ray.time, &farthest, visitor(visit_one, &query));
         if (query.any || !is_inside(query)) return;
         query.restart();
     }

@@ -43,6 +43,7 @@ Tracer::~Tracer() {
 void Tracer::Implementation::give_back_table() {
     for (size_t i = 0; i < caches.size(); ++i)
         if (caches[i]) records[i].cache = nullptr;
+    if (!caches.empty()) take_caches();
     store->tables.give_back(std::move(static_cast<InstanceTable&>(*this)));
 }
 
@@ -71,7 +72,7 @@ LengthAnswer Tracer::length_inside(uint32_t instance, const Ray& ray) const {
 bool Tracer::occluded(const Ray& ray, Visibility kind) const {
     const FloatEnvironment environment;
     if (!implementation_->can_hit(ray)) return false;
-    Implementation::Query query{{&ray, kind, nullptr}, nullptr, ray.t_max, nullptr, nullptr};
+    Implementation::Query query{{&ray, kind, nullptr}, nullptr, ray.t_max, 0, nullptr, nullptr};
     return implementation_->ask_all(query);
 }
 
@@ -119,10 +120,13 @@ SurfacePoint Tracer::place(uint32_t instance, const LocalHit& hit, float time) c
     return point;
 }
 
-void Tracer::set_cache(uint32_t instance, std::shared_ptr<const LocalRayCache> cache) {
-    implementation_->records[instance].cache = cache.get();
+void Tracer::set_cache(std::span<const uint32_t> instances, const std::shared_ptr<const LocalRayCache>& cache) {
     implementation_->caches.resize(implementation_->instances.size());
-    implementation_->caches[instance] = std::move(cache);
+    for (const uint32_t instance : instances) {
+        implementation_->records[instance].cache = cache.get();
+        implementation_->caches[instance] = cache;
+    }
+    implementation_->take_caches();
 }
 
 void Tracer::set_passages(std::vector<LightPassage> passages) {
@@ -179,9 +183,10 @@ TraceStatistics Tracer::statistics() const {
     TraceStatistics result;
     result.instances = implementation_->instances.size();
     result.shapes = implementation_->shapes.size();
+    result.opened_instances = implementation_->opened();
     result.kept_shapes = implementation_->kept_shapes;
     result.bvh_bytes = implementation_->embree_held + implementation_->tree.bytes() +
-                       implementation_->oriented.size() * sizeof(OrientedBox);
+                       implementation_->items.size() * (sizeof(TreeItem) + sizeof(OrientedBox));
     for (const std::shared_ptr<ShapeScene>& shape : implementation_->shapes) {
         result.subpatches += shape->subpatch_count();
         result.record_bytes += shape->record_bytes();

@@ -60,6 +60,7 @@ struct DicingView {
 struct TraceStatistics {
     uint64_t subpatches = 0, bvh_bytes = 0, triangles = 0, instances = 0, shapes = 0;
     uint64_t record_bytes = 0;         ///< what is held for each subpatch beside the tree, the grids and the facets
+    uint64_t opened_instances = 0;     ///< that the tree above them holds in parts
     uint64_t kept_shapes = 0;          ///< that were not built for this tracer (trace/traced_shape_store.h)
     uint64_t resident_shapes = 0;      ///< diced shapes whose facets stay in memory
     uint64_t facet_bytes = 0;          ///< of those facets
@@ -99,9 +100,10 @@ class Tracer {
     Tracer(const Tracer&) = delete;
     Tracer& operator=(const Tracer&) = delete;
 
-    /// From now on, rays ask this cache before the instance is traced; null: they do not. Not while rays are under way.
-    /// A ray that starts on the instance is traced there: a line says nothing about what lies beyond its first hit.
-    void set_cache(uint32_t instance, std::shared_ptr<const LocalRayCache> cache);
+    /// From now on, rays ask this cache before any of the instances is traced; null: they do not. Not while rays are
+    /// under way. A ray that starts on the instance is traced there: a line says nothing about what lies beyond its
+    /// first hit.
+    void set_cache(std::span<const uint32_t> instances, const std::shared_ptr<const LocalRayCache>& cache);
     const LocalRayCache* cache(uint32_t instance) const;
 
     /// The nearest hit in [t_min, t_max]; ties go to the lower instance, then primitive. Thread-safe; a ray that is not

@@ -71,10 +71,12 @@ void Tracer::Implementation::ask_above(Packet& packet) const {
         const Implementation* tracer;
         Packet* packet;
     } asked{this, &packet};
-    const auto visit_lanes = [](void* owner, uint32_t index, uint32_t met, float* farthest) {
+    const auto visit_lanes = [](void* owner, uint32_t number, uint32_t met, float* farthest) {
         const Asked& all = *static_cast<const Asked*>(owner);
-        const Packet& rays = *all.packet;
-        for_each_lane(all.tracer->visit(*all.packet, index, met), [&](size_t lane) {
+        const TreeItem& item = all.tracer->items[number];
+        Packet& rays = *all.packet;
+        rays.shape.root = item.root;
+        for_each_lane(all.tracer->visit(rays, item.instance, met), [&](size_t lane) {
             farthest[lane] =
                 rays.results ? float_distance_of(rays.world.t_max[lane], rays.above.start[lane], rays.above.speed[lane])
                              : kDone;
@@ -82,7 +84,7 @@ void Tracer::Implementation::ask_above(Packet& packet) const {
     };
     alignas(64) float farthest[kPacketSize];
     std::copy_n(packet.above.farthest, kPacketSize, farthest);
-    traversal.packet(tree.nodes(), packet.above, lanes, kFewAboveInstances, farthest, visitor(visit_lanes, &asked));
+    traversal.packet(tree.nodes(), 0, packet.above, lanes, kFewAboveInstances, farthest, visitor(visit_lanes, &asked));
 }
 
 uint32_t Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t lanes) const {
@@ -107,8 +109,8 @@ uint32_t Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t 
 uint32_t Tracer::Implementation::visit_alone(Packet& packet, uint32_t index, uint32_t lanes) const {
     uint32_t nearer = 0;
     for_each_lane(lanes, [&](size_t lane) {
-        Query query{packet.rays[lane], packet.reader ? &*packet.reader : nullptr, packet.world.t_max[lane],
-                    packet.results ? packet.results + lane : nullptr, &packet.traced[lane]};
+        Query query{packet.rays[lane], packet.reader ? &*packet.reader : nullptr,        packet.world.t_max[lane],
+                    packet.shape.root, packet.results ? packet.results + lane : nullptr, &packet.traced[lane]};
         if (!visit(query, index)) return;
         packet.world.t_max[lane] = query.farthest;
         nearer |= 1u << lane;
@@ -181,12 +183,14 @@ uint32_t Tracer::Implementation::visit_open(Packet& packet, uint32_t index, uint
         const InstanceRecord* record = records[index].at(world_ray.time, room);
         if (!record) return;
         if (!finds_all) {
-            const Query query{packet.rays[lane], packet.reader ? &*packet.reader : nullptr, world_ray.t_max, nullptr,
-                              nullptr};
+            const Query query{packet.rays[lane], packet.reader ? &*packet.reader : nullptr,
+                              world_ray.t_max,   packet.shape.root,
+                              nullptr,           nullptr};
             if (visit_any(query, index)) passed.set_unknown();
             return;
         }
-        const Maybe<LocalRay> ray = record->local_ray(index, world_ray, world_ray.t_max);
+        Maybe<LocalRay> ray = record->local_ray(index, world_ray, world_ray.t_max);
+        if (ray) ray->root = packet.shape.root;
         if (ray && scene.find_all(*ray, index, passed)) closed |= 1u << lane;
     });
     packet.found |= closed;
@@ -200,7 +204,9 @@ uint32_t Tracer::Implementation::take_nearest(Packet& packet, uint32_t index) co
         const PacketQuery::Best& best = *packet.shape.best[lane];
         const double t = best.point.t;
         Maybe<Hit>& hit = packet.results[lane].hit;
-        if (hit && t == packet.world.t_max[lane] && hit->instance < index) return;
+        if (hit && t == packet.world.t_max[lane] &&
+            !goes_first(index, best.facet, packet.results[lane], packet.traced[lane]))
+            return;
         hit.emplace(t, index, RayAnswer::NotAsked);
         packet.world.t_max[lane] = t;
         packet.traced[lane].emplace(best.facet, best.point);

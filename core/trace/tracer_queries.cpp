@@ -23,7 +23,9 @@ double distance_to(const ObjectAnswer& answer, const Ray& world_ray, const Local
 Maybe<LocalRay> Tracer::Implementation::local_ray(const Query& query, uint32_t index,
                                                   const InstanceRecord& record) const {
     Maybe<LocalRay> local = record.local_ray(index, *query.ray, query.farthest);
-    if (local) local->reader = query.reader;
+    if (!local) return local;
+    local->reader = query.reader;
+    local->root = query.root;
     return local;
 }
 
@@ -34,8 +36,8 @@ bool Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
     const Maybe<LocalRay> ray = local_ray(query, index, *record);
     if (!ray) return false;
     ClosestHit& result = *query.result;
-    const auto take = [&](double t, RayAnswer by) -> Hit* {
-        if (result.hit && t == query.farthest && result.hit->instance < index) return nullptr;
+    const auto take = [&](double t, RayAnswer by, const FacetId& facet) -> Hit* {
+        if (result.hit && t == query.farthest && !goes_first(index, facet, result, *query.traced)) return nullptr;
         query.farthest = t;
         return &result.hit.emplace(t, index, by);
     };
@@ -46,7 +48,7 @@ bool Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
         if (by != RayAnswer::Traced) {
             const double t = distance_to(answer, *query.ray, *ray);
             const bool meets = by != RayAnswer::Missed && t >= query.ray->t_min && t <= query.farthest;
-            Hit* hit = meets ? take(t, by) : nullptr;
+            Hit* hit = meets ? take(t, by, {}) : nullptr;
             if (!hit) {
                 if (result.answer != RayAnswer::Traced) result.answer = RayAnswer::Missed;
                 return false;
@@ -57,7 +59,7 @@ bool Tracer::Implementation::visit_closest(Query& query, uint32_t index) const {
         }
     }
     ShapeHit hit;
-    const bool nearer = record->scene->closest(*ray, hit) && take(hit.point.t, by) != nullptr;
+    const bool nearer = record->scene->closest(*ray, hit) && take(hit.point.t, by, hit.facet) != nullptr;
     if (nearer)
         *query.traced = hit;
     else if (by == RayAnswer::Traced)
@@ -106,14 +108,16 @@ bool Tracer::Implementation::ask_above(Query& query) const {
         const LocalRay* ray;
         bool found;
     } asked{this, &query, &*ray, false};
-    const auto visit_one = [](void* owner, uint32_t index, uint32_t, float* farthest) {
+    const auto visit_one = [](void* owner, uint32_t number, uint32_t, float* farthest) {
         Asked& all = *static_cast<Asked*>(owner);
-        if (!all.tracer->visit(*all.query, index)) return;
+        const TreeItem& item = all.tracer->items[number];
+        all.query->root = item.root;
+        if (!all.tracer->visit(*all.query, item.instance)) return;
         all.found = true;
         *farthest = all.query->result ? all.ray->float_distance(all.query->farthest) : kDone;
     };
     float farthest = ray->float_distance(ray->t_max);
-    traversal.alone(tree.nodes(), ray->float_origin, ray->float_direction, &farthest, visitor(visit_one, &asked));
+    traversal.alone(tree.nodes(), 0, ray->float_origin, ray->float_direction, &farthest, visitor(visit_one, &asked));
     return asked.found;
 }
 
@@ -141,7 +145,7 @@ ClosestHit Tracer::Implementation::closest(const RayQuery& asked) const {
     ClosestHit result;
     if (!can_hit(*asked.ray)) return result;
     Maybe<ShapeHit> traced;
-    Query query{asked, nullptr, asked.ray->t_max, &result, &traced};
+    Query query{asked, nullptr, asked.ray->t_max, 0, &result, &traced};
     ask_all(query);
     finish(*asked.ray, traced, result);
     return result;

@@ -31,6 +31,7 @@ struct Tracer::Implementation : InstanceTable {
     struct Query : RayQuery {
         const GeometryCache::Reader* reader = nullptr;  ///< where there is a cache
         double farthest = 0;                            ///< world t of the nearest hit so far, or the ray's t_max
+        uint32_t root = 0;                              ///< of the part of an instance that is asked
         ClosestHit* result = nullptr;                   ///< gets the nearest hit; null: any will do
         Maybe<ShapeHit>* traced = nullptr;              ///< gets what the hit's place is made of in the end (`finish`)
     };
@@ -57,6 +58,12 @@ struct Tracer::Implementation : InstanceTable {
     /// Of the tree above the instances.
     BoxVisitor visitor(BoxVisitor::Visit visit_instance, void* owner) const {
         return {visit_instance, owner, oriented.data(), sizeof(OrientedBox), oriented.data()};
+    }
+    /// Whether a hit comes first among equally distant ones. `result` is one that was found before, `traced` its facet.
+    static bool goes_first(uint32_t instance, const FacetId& facet, const ClosestHit& result,
+                           const Maybe<ShapeHit>& traced) {
+        if (instance != result.hit->instance) return instance < result.hit->instance;
+        return facet < traced->facet;  // on another part of the instance
     }
     void finish(const Ray& ray, Maybe<ShapeHit>& traced, ClosestHit& result) const;
     RaySight sight_from(const Ray& ray, const Hit& hit) const;

@@ -1,6 +1,6 @@
 #include "trace/triangle_scene.h"
 
-#include "trace/part_boxes.h"
+#include "trace/shape_parts.h"
 
 namespace rayleaf {
 namespace {
@@ -110,7 +110,7 @@ TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel
     EmbreeScene scene = new_embree_scene(cancel);
     build_embree_scene(scene, geometry);
     set_scene(std::move(scene), mesh.bounds());
-    set_parts(part_boxes(mesh));
+    set_parts(parts_of(mesh));
 }
 
 bool TriangleScene::find_all(const LocalRay& ray, uint32_t instance, PassedHits& passed) const {
@@ -130,7 +130,7 @@ bool FewTrianglesScene::suits(const TriangleMesh& mesh) {
 FewTrianglesScene::FewTrianglesScene(const TriangleMesh& mesh) : MeshScene(mesh), meet_few_(few_facets_kernel()) {
     for (uint32_t i = 0; i < mesh.triangles().size(); ++i) corners_.push_back(mesh.corners(i));
     set_box(mesh.bounds());
-    set_parts(part_boxes(mesh));
+    set_parts(parts_of(mesh));
 }
 
 bool FewTrianglesScene::closest(const LocalRay& ray, ShapeHit& hit) const {

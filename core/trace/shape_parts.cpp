@@ -1,4 +1,4 @@
-#include "trace/part_boxes.h"
+#include "trace/shape_parts.h"
 
 #include <algorithm>
 #include <array>
@@ -44,33 +44,28 @@ Box3d triangle_box(const TriangleMesh& mesh, uint32_t triangle) {
     return box;
 }
 
-std::vector<Box3d> part_boxes(const BoxTree& tree) {
+std::vector<ShapePart> parts_of(const BoxTree& tree) {
     if (tree.empty()) return {};
-    struct Part {
-        Box3d box;
-        uint32_t child;
-    };
-    std::vector<Part> parts;
+    std::vector<ShapePart> parts;
     const auto open = [&](uint32_t number) {
         const BoxNode& node = tree.nodes()[number];
         for (uint32_t i = 0; i < node.count; ++i) parts.push_back({child_box(node, i), node.child[i]});
     };
     open(0);
-    for (size_t next = 0; next < parts.size() && parts.size() + BoxNode::kMostChildren - 1 <= kMostParts;) {
-        if ((parts[next].child & BoxNode::kLeaf) != 0) {
-            ++next;
-            continue;
-        }
-        const uint32_t number = parts[next].child;
-        parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(next));
+    const auto area = [](const ShapePart& part) {
+        return (part.root & BoxNode::kLeaf) != 0 ? 0.0 : half_area(part.box);  // there is nothing to open in a leaf
+    };
+    while (parts.size() + BoxNode::kMostChildren - 1 <= kMostParts) {
+        const auto largest = std::ranges::max_element(parts, {}, area);
+        if (!(area(*largest) > 0.0)) break;
+        const uint32_t number = largest->root;
+        parts.erase(largest);
         open(number);
     }
-    std::vector<Box3d> boxes;
-    for (const Part& part : parts) boxes.push_back(part.box);
-    return boxes;
+    return parts;
 }
 
-std::vector<Box3d> part_boxes(const TriangleMesh& mesh) {
+std::vector<ShapePart> parts_of(const TriangleMesh& mesh) {
     const Box3d all(Vec3d(mesh.bounds().min), Vec3d(mesh.bounds().max));
     const auto count = static_cast<uint32_t>(mesh.triangles().size());
     const CellBoxes cells = tbb::parallel_reduce(
@@ -86,16 +81,10 @@ std::vector<Box3d> part_boxes(const TriangleMesh& mesh) {
             for (size_t i = 0; i < a.size(); ++i) a[i].extendBy(b[i]);
             return a;
         });
-    std::vector<Box3d> boxes;
+    std::vector<ShapePart> parts;
     for (const Box3d& box : cells)
-        if (!box.isEmpty()) boxes.push_back(box);
-    return boxes;
-}
-
-Box3d image_of(std::span<const Box3d> parts, const Affine3d& map) {
-    Box3d box;
-    for (const Box3d& part : parts) box.extendBy(image_of(part, map));
-    return box;
+        if (!box.isEmpty()) parts.push_back({box});
+    return parts;
 }
 
 }  // namespace rayleaf
