@@ -34,6 +34,10 @@ bool MediumStack::varies() const {
     return std::any_of(media_.begin(), media_.begin() + count_, has_grid);
 }
 
+bool MediumStack::emits() const {
+    return std::ranges::any_of(all(), [](const SceneMedium* medium) { return medium->program->emits(); });
+}
+
 MediumStack media_around(const Scene& scene, const Vec3d& position, float time) {
     MediumStack media;
     if (const SceneMedium* world = scene.media().world()) media.enter(world);

@@ -21,6 +21,8 @@ class MediumStack {
     void leave(const SceneMedium* medium);
     /// Whether any varies from place to place.
     bool varies() const;
+    /// Whether any may emit light.
+    bool emits() const;
 
   private:
     size_t count_ = 0;

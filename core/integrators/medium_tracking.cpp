@@ -100,7 +100,7 @@ MediumPassage pass_even(const MediumSegment& segment, const Color& throughput, c
     return passage;
 }
 
-/// Nothing is scattered: by what each tentative collision takes.
+/// Nothing is scattered, but some is emitted: by what each tentative collision takes.
 MediumPassage pass_dimmed(const MediumSegment& segment, RandomStream& random) {
     MediumPassage passage;
     const auto rate = [](const DensityBounds& bounds) { return bounds.majorant; };
@@ -248,8 +248,11 @@ MediumPassage pass(const MediumSegment& segment, const SegmentBounds& bounds, co
 }
 
 MediumPassage pass_unscattered(const MediumSegment& segment, RandomStream& random) {
-    if (segment.media.varies()) return pass_dimmed(segment, random);
-    return pass_even(segment, segment.at(0.0));
+    if (!segment.media.varies()) return pass_even(segment, segment.at(0.0));
+    if (segment.media.emits()) return pass_dimmed(segment, random);
+    MediumPassage passage;
+    passage.weight = tracked_transmittance(segment, BoundWalk(segment), random);
+    return passage;
 }
 
 }  // namespace rayleaf

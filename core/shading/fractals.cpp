@@ -1,25 +1,36 @@
 #include "shading/fractals.h"
 
 #include "shading/noise.h"
+#include "shading/noise_lanes.h"
 
 namespace rayleaf {
 namespace {
 
-/// Walks up the octaves: noise at a point whose frequency rises, and the amplitude that belongs to it.
+/// Walks up the octaves: noise at a point whose frequency rises, and the amplitude that belongs to it. Where there are
+/// several, the noise of all is computed together.
 template <int N>
 class Octaves {
   public:
     Octaves(const LatticePoint<N>& p, const FractalParameters& parameters)
-        : p_(p), parameters_(parameters), whole_(static_cast<int>(parameters.octaves)) {}
+        : p_(p), parameters_(parameters), whole_(static_cast<int>(parameters.octaves)) {
+        const size_t count = static_cast<size_t>(whole_) + (rest() != 0.0f ? 1 : 0);
+        if (count < NoisePoints::kLeast) return;
+        LatticePoint<N> at = p;
+        for (size_t i = 0; i < count; ++i, rise(at)) all_.add(at);
+        all_.compute(N);
+    }
+    Octaves(const Octaves&) = delete;
+    Octaves& operator=(const Octaves&) = delete;
 
     /// How many octaves count in full, and how much the one beyond them does.
     int whole() const { return whole_; }
     float rest() const { return parameters_.octaves - std::floor(parameters_.octaves); }
-    float noise() const { return signed_noise<N>(p_); }
+    float noise() const { return all_.count > 0 ? all_.noise[octave_] : signed_noise<N>(p_); }
     float amplitude() const { return amplitude_; }
     void next() {
-        for (float& x : p_) x *= parameters_.lacunarity;
+        rise(p_);
         amplitude_ *= parameters_.amplitude;
+        ++octave_;
     }
 
   private:
@@ -27,10 +38,16 @@ class Octaves {
     const FractalParameters& parameters_;
     int whole_;
     float amplitude_ = 1.0f;
+    size_t octave_ = 0;
+    NoisePoints all_;  ///< of octaves; none: one by one
+
+    void rise(LatticePoint<N>& p) const {
+        for (float& x : p) x *= parameters_.lacunarity;
+    }
 };
 
 template <int N>
-float fbm(Octaves<N> octaves) {
+float fbm(Octaves<N>& octaves) {
     float value = 0.0f;
     for (int i = 0; i < octaves.whole(); ++i, octaves.next()) value += octaves.noise() * octaves.amplitude();
     if (octaves.rest() != 0.0f) value += octaves.rest() * octaves.noise() * octaves.amplitude();
@@ -38,7 +55,7 @@ float fbm(Octaves<N> octaves) {
 }
 
 template <int N>
-float multifractal(Octaves<N> octaves) {
+float multifractal(Octaves<N>& octaves) {
     float value = 1.0f;
     for (int i = 0; i < octaves.whole(); ++i, octaves.next()) value *= octaves.amplitude() * octaves.noise() + 1.0f;
     if (octaves.rest() != 0.0f) value *= octaves.rest() * octaves.amplitude() * octaves.noise() + 1.0f;
@@ -47,7 +64,7 @@ float multifractal(Octaves<N> octaves) {
 
 /// What is high already gets more of the finer octaves.
 template <int N>
-float hetero_terrain(Octaves<N> octaves, float offset) {
+float hetero_terrain(Octaves<N>& octaves, float offset) {
     float value = offset + octaves.noise();
     octaves.next();
     const auto rise = [&] { return (octaves.noise() + offset) * octaves.amplitude() * value; };
@@ -57,7 +74,7 @@ float hetero_terrain(Octaves<N> octaves, float offset) {
 }
 
 template <int N>
-float hybrid_multifractal(Octaves<N> octaves, float offset, float gain) {
+float hybrid_multifractal(Octaves<N>& octaves, float offset, float gain) {
     constexpr float kLeastWeight = 0.001f;  // what follows cannot be seen
     float value = 0.0f, weight = 1.0f;
     const auto signal = [&] { return (octaves.noise() + offset) * octaves.amplitude(); };
@@ -72,7 +89,7 @@ float hybrid_multifractal(Octaves<N> octaves, float offset, float gain) {
 }
 
 template <int N>
-float ridged_multifractal(Octaves<N> octaves, float offset, float gain) {
+float ridged_multifractal(Octaves<N>& octaves, float offset, float gain) {
     const auto ridge = [&] {
         const float height = offset - std::abs(octaves.noise());
         return height * height;
@@ -90,7 +107,7 @@ float ridged_multifractal(Octaves<N> octaves, float offset, float gain) {
 
 template <int N>
 float fractal(FractalType type, const LatticePoint<N>& p, const FractalParameters& parameters) {
-    const Octaves<N> octaves(p, parameters);
+    Octaves<N> octaves(p, parameters);
     switch (type) {
         case FractalType::FBM:
             return fbm(octaves);

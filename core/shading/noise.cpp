@@ -2,6 +2,7 @@
 
 #include "base/float4.h"
 #include "shading/lattice_hash.h"
+#include "shading/noise_lanes.h"
 
 #include <array>
 #include <bit>
@@ -123,6 +124,20 @@ template float signed_noise<4>(const LatticePoint<4>&);
 
 namespace {
 
+/// Of so many octaves at a point: one by one where they are few.
+template <int N>
+void noise_of_octaves(const LatticePoint<N>& p, float lacunarity, size_t count, NoisePoints& octaves) {
+    float frequency = 1.0f;
+    for (size_t i = 0; i < count; ++i, frequency *= lacunarity) {
+        const LatticePoint<N> scaled = times<N>(p, frequency);
+        if (count < NoisePoints::kLeast)
+            octaves.noise[i] = signed_noise<N>(scaled);
+        else
+            octaves.add(scaled);
+    }
+    if (octaves.count > 0) octaves.compute(N);
+}
+
 /// Octaves of noise in [0, 1], weighted by powers of the roughness.
 template <int N>
 float fractal_noise(const LatticePoint<N>& p, const NoiseParameters& parameters) {
@@ -132,17 +147,19 @@ float fractal_noise(const LatticePoint<N>& p, const NoiseParameters& parameters)
                           {detail + 1.0f, std::max(parameters.roughness, 0.0f), parameters.lacunarity,
                            parameters.offset, parameters.gain});
     const float roughness = parameters.roughness > 0.0f ? std::min(parameters.roughness, 1.0f) : 0.0f;
-    const auto octave = [&p](float frequency) { return 0.5f * signed_noise<N>(times<N>(p, frequency)) + 0.5f; };
-    float frequency = 1.0f, amplitude = 1.0f, sum = 0.0f, amplitudes = 0.0f;
-    for (int i = 0; i <= static_cast<int>(detail); ++i) {
-        sum += octave(frequency) * amplitude;
+    const float rest = detail - std::floor(detail);
+    const size_t whole = static_cast<size_t>(detail) + 1, count = whole + (rest != 0.0f ? 1 : 0);
+    NoisePoints octaves;
+    noise_of_octaves<N>(p, parameters.lacunarity, count, octaves);
+    const auto octave = [&octaves](size_t i) { return 0.5f * octaves.noise[i] + 0.5f; };
+    float amplitude = 1.0f, sum = 0.0f, amplitudes = 0.0f;
+    for (size_t i = 0; i < whole; ++i) {
+        sum += octave(i) * amplitude;
         amplitudes += amplitude;
         amplitude *= roughness;
-        frequency *= parameters.lacunarity;
     }
-    const float rest = detail - std::floor(detail);
     if (rest == 0.0f) return sum / amplitudes;
-    const float finer = (sum + octave(frequency) * amplitude) / (amplitudes + amplitude);
+    const float finer = (sum + octave(whole) * amplitude) / (amplitudes + amplitude);
     return (1.0f - rest) * (sum / amplitudes) + rest * finer;
 }
 

@@ -20,7 +20,7 @@ using Words = hn::RebindToUnsigned<Floats>;
 using Float = hn::Vec<Floats>;
 using Word = hn::Vec<Words>;
 constexpr size_t kWidth = hn::MaxLanes(Floats());
-static_assert(NoiseLanes::kMost % kWidth == 0);
+static_assert(NoiseLanes::kMost % kWidth == 0 && NoisePoints::kMost % kWidth == 0);
 
 // Each function does for every lane what the one of its name in noise.cpp does for one point.
 
@@ -230,6 +230,29 @@ void texture(NoiseChannels channels, size_t first, NoiseLanes& lanes) {
     hn::Store(shifted_noise<N>(p, N + 1, parameters), tag, lanes.channels[2] + first);
 }
 
+template <int N>
+void noise_of_points(NoisePoints& points) {
+    const Floats tag;
+    for (size_t first = 0; first < points.count; first += kWidth) {
+        Float p[N];
+        for (int i = 0; i < N; ++i) p[i] = hn::Load(tag, points.point[i] + first);
+        hn::Store(signed_noise<N>(p), tag, points.noise + first);
+    }
+}
+
+void noise_of_all_points(int dimensions, NoisePoints& points) {
+    switch (dimensions) {
+        case 1:
+            return noise_of_points<1>(points);
+        case 2:
+            return noise_of_points<2>(points);
+        case 3:
+            return noise_of_points<3>(points);
+        default:
+            return noise_of_points<4>(points);
+    }
+}
+
 void noise_of_lanes(int dimensions, NoiseChannels channels, NoiseLanes& lanes) {
     for (size_t first = 0; first < lanes.count; first += kWidth) {
         switch (dimensions) {
@@ -257,6 +280,7 @@ HWY_AFTER_NAMESPACE();
 namespace rayleaf {
 
 HWY_EXPORT(noise_of_lanes);
+HWY_EXPORT(noise_of_all_points);
 
 namespace {
 
@@ -281,6 +305,11 @@ void NoiseLanes::set_parameters(const NumberRow& details, const NumberRow& rough
     fill(roughness, roughnesses, count);
     fill(distortion, distortions, count);
     fill(lacunarity, lacunarities, count);
+}
+
+void NoisePoints::compute(int dimensions) {
+    for (int axis = 0; axis < dimensions; ++axis) std::fill(point[axis] + count, point[axis] + kMost, 0.0f);
+    HWY_DYNAMIC_DISPATCH(noise_of_all_points)(dimensions, *this);
 }
 
 void noise_texture(int dimensions, NoiseChannels channels, NoiseLanes& lanes) {

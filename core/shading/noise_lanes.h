@@ -29,6 +29,25 @@ struct NoiseLanes {
                         const NumberRow& lacunarities);
 };
 
+/// Points at which signed_noise is asked for, as the octaves of one point are, and what it is there.
+struct NoisePoints {
+    static constexpr size_t kMost = 32;
+    /// From so many points on, lanes take less time.
+    static constexpr size_t kLeast = 3;
+
+    alignas(64) float point[4][kMost];
+    alignas(64) float noise[kMost];
+    size_t count = 0;
+
+    template <size_t N>
+    void add(const std::array<float, N>& p) {
+        for (size_t axis = 0; axis < N; ++axis) point[axis][count] = p[axis];
+        ++count;
+    }
+    /// Sets `noise` of all, which have so many dimensions.
+    void compute(int dimensions);
+};
+
 /// Fills `channels`, or only the first of them.
 void noise_texture(int dimensions, NoiseChannels channels, NoiseLanes& lanes);
 

@@ -64,6 +64,30 @@ def test_noise_has_the_same_bits_in_lanes(target, dimensions, factor_alone, deta
     check_lanes(scattered_points(dimensions), program, result)
 
 
+@pytest.mark.parametrize("dimensions", [1, 2, 3, 4])
+@pytest.mark.parametrize("detail", [3.0, 6.25, 15.0])
+def test_octaves_of_a_point_have_the_bits_of_noise_octave_by_octave(target, dimensions, detail):
+    program = _core.Program("Noise")
+    position = program.operation("position")
+
+    def noise(scale, detail):
+        numbers = [program.constant(x, x, x, x) for x in (scale, detail, 0.6, 0.0)]
+        return program.operation("noise", [position, component(program, position, 1), *numbers], [dimensions, 0, 0])
+
+    octaves = int(detail) + 1
+    one_by_one = [noise(2.0**i, 0.0) for i in range(octaves + 1)]
+    together = noise(1.0, detail)
+    points = scattered_points(dimensions)
+    found = points.values(program, together)[:, 3]
+    amplitude, value = np.float32(1), np.zeros(len(found), np.float32)
+    for each in one_by_one[:octaves]:
+        value += points.values(program, each)[:, 3] * amplitude
+        amplitude *= np.float32(0.6)
+    if detail > int(detail):
+        value += np.float32(detail - int(detail)) * points.values(program, one_by_one[octaves])[:, 3] * amplitude
+    np.testing.assert_array_equal(found.view(np.uint32), value.view(np.uint32))
+
+
 def test_noise_without_operands_has_the_same_bits_in_lanes(target):
     program = _core.Program("Noise")
     uv = program.operation("uv")
