@@ -36,7 +36,7 @@ struct NoisePoints {
     static constexpr size_t kLeast = 3;
 
     alignas(64) float point[4][kMost];
-    alignas(64) float noise[kMost];
+    alignas(64) float noise[kMost] = {};
     size_t count = 0;
 
     template <size_t N>
