@@ -12,7 +12,7 @@ _LARGEST_SEED = 0xFFFFFFFF  # frames before the first count down from here
 
 
 # Of a pixel, where an error is set in place of their number.
-_MOST_SAMPLES = 1 << 16
+_MOST_SAMPLES = 1 << 18
 _MIST_FALLOFF = {"QUADRATIC": 2.0, "LINEAR": 1.0, "INVERSE_QUADRATIC": 0.5}  # exponents
 
 

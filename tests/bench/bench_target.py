@@ -31,7 +31,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--noise-threshold", action="store_true", help="of samples, in place of a target error")
     parser.add_argument("--width", type=int, default=384, help="of pictures, pixels")
     parser.add_argument("--converged", type=int, default=512, help="samples of the pictures that errors are against")
-    parser.add_argument("--most", type=int, default=1 << 16, help="samples of a pixel")
+    parser.add_argument("--most", type=int, default=1 << 18, help="samples of a pixel")
     parser.add_argument(
         "--minutes", type=float, default=30.0, help="for each scene; what is not done by then is left out"
     )
