@@ -2,7 +2,9 @@
 
 #include "base/simd_choice.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tessellation/grid_intersection.cpp"
@@ -21,6 +23,7 @@ constexpr int kWidth = static_cast<int>(hn::MaxLanes(Lanes()));
 
 #include "base/lanes.inl"
 #include "tessellation/block_lanes.inl"
+#include "tessellation/vertex_cells.inl"
 
 /// The blocks that the ray may hit up to t_max, one bit each; where they begin, unless that is null.
 HWY_INLINE uint32_t blocks_on_way(const Grid& grid, const GridRay& ray, float t_max, float padding,
@@ -228,8 +231,35 @@ void add_fixed_block(const Grid& grid, uint32_t block, const GridRay& ray, float
     add_block_cells(test, grid.fixed[block][0], first_cell(static_cast<int>(block), kGridCells), candidates);
 }
 
+/// Vertices of a block as a ray alone sees them; `load` makes lanes of the block's numbers, [3][25], from this one on.
+template <class Load>
+HWY_INLINE void add_vertex_cells(const GridRay& ray, float t_max, const Load& load, GridCandidates& candidates) {
+    struct Corners {
+        hn::Vec<VertexLanes> x, y, depth;
+    };
+    const auto all = [](float number) { return hn::Set(VertexLanes(), number); };
+    const auto origin_x = all(ray.origin[ray.axis_x]), origin_y = all(ray.origin[ray.axis_y]);
+    const auto origin_z = all(ray.origin[ray.axis_z]), scale_z = all(ray.scale_z);
+    const auto shear_x = all(ray.shear_x), shear_y = all(ray.shear_y);
+    const auto corners_from = [&](int vertex) {
+        const auto z = hn::Sub(load(ray.axis_z * kBlockSize + vertex), origin_z);
+        const auto x = hn::Sub(load(ray.axis_x * kBlockSize + vertex), origin_x);
+        const auto y = hn::Sub(load(ray.axis_y * kBlockSize + vertex), origin_y);
+        return Corners{hn::Sub(x, hn::Mul(shear_x, z)), hn::Sub(y, hn::Mul(shear_y, z)), hn::Mul(z, scale_z)};
+    };
+    VertexCells().run(corners_from, [&](uint32_t triangle, float near, float far, bool /*surely*/) {
+        if (far >= 0.0f && near <= t_max) candidates.add({near, triangle});
+    });
+}
+
 void add_block_of_floats(const float* vertices, const GridRay& ray, float t_max, GridCandidates& candidates) {
-    add_block_cells(CellTest<FloatCells>(ray, kBlockCells, t_max), vertices, 0, candidates);
+    const auto load = [vertices](int number) { return hn::LoadU(VertexLanes(), vertices + number); };
+    add_vertex_cells(ray, t_max, load, candidates);
+}
+
+void add_block_of_fixed(const int32_t* vertices, const GridRay& ray, float t_max, GridCandidates& candidates) {
+    const auto load = [vertices](int number) { return as_floats(vertices + number); };
+    add_vertex_cells(ray, t_max, load, candidates);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -244,12 +274,13 @@ HWY_EXPORT(find_blocks);
 HWY_EXPORT(find_near_blocks);
 HWY_EXPORT(add_fixed_block);
 HWY_EXPORT(add_block_of_floats);
+HWY_EXPORT(add_block_of_fixed);
 
 GridKernels grid_kernels() {
     choose_kernels();
-    return {&HWY_DYNAMIC_DISPATCH(add_candidates), &HWY_DYNAMIC_DISPATCH(find_blocks),
-            &HWY_DYNAMIC_DISPATCH(find_near_blocks), &HWY_DYNAMIC_DISPATCH(add_fixed_block),
-            &HWY_DYNAMIC_DISPATCH(add_block_of_floats)};
+    return {&HWY_DYNAMIC_DISPATCH(add_candidates),      &HWY_DYNAMIC_DISPATCH(find_blocks),
+            &HWY_DYNAMIC_DISPATCH(find_near_blocks),    &HWY_DYNAMIC_DISPATCH(add_fixed_block),
+            &HWY_DYNAMIC_DISPATCH(add_block_of_floats), &HWY_DYNAMIC_DISPATCH(add_block_of_fixed)};
 }
 
 /// The same operations as in a lane of the kernel, since its borders are shared with neighbours.

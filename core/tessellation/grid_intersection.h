@@ -106,6 +106,8 @@ using AddBlock = void (*)(const Grid& grid, uint32_t block, const GridRay& ray, 
 
 /// The same for a block alone: vertices by axis, [3][25]. Triangles are numbered 2 * (j * 4 + i), + 1.
 using AddBlockOfFloats = void (*)(const float* vertices, const GridRay& ray, float t_max, GridCandidates& candidates);
+/// The same of fixed-point numbers, rounded.
+using AddBlockOfFixed = void (*)(const int32_t* vertices, const GridRay& ray, float t_max, GridCandidates& candidates);
 
 /// The same for the coarse level.
 void add_quad_candidates(const SubpatchDetail& detail, const GridRay& ray, float t_max, GridCandidates& candidates);
@@ -116,6 +118,7 @@ struct GridKernels {
     FindNearBlocks find_near_blocks;
     AddBlock add_block;
     AddBlockOfFloats add_block_of_floats;
+    AddBlockOfFixed add_block_of_fixed;
 };
 /// The versions for this machine's processor.
 GridKernels grid_kernels();

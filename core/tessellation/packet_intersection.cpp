@@ -20,6 +20,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "base/lanes.inl"
 #include "tessellation/ray_lanes.inl"
+#include "tessellation/vertex_cells.inl"
 
 /// What a facet that is hit for sure leaves of a ray, as LocalRay::float_distance has it.
 constexpr float kBeyond = 1.0f + 0x1p-20f, kBeyondBy = 0x1p-12f;
@@ -52,9 +53,6 @@ HWY_INLINE hn::Mask<D> mask_of(D lanes, uint32_t bits) {
     return hn::LoadMaskBits(lanes, reinterpret_cast<const uint8_t*>(&room));
 }
 
-/// The cells of a block, (i, j) at j * 5 + i, the number of its first corner.
-constexpr uint32_t kSpacedCells = 0xf | 0xf << 5 | 0xf << 10 | 0xf << 15;
-
 /// Two triangles in a row of bits become a cell in one, a gap after each four.
 HWY_INLINE uint32_t cells_of(uint32_t triangles) {
     uint32_t cells = (triangles | triangles >> 1) & 0x55555555u;
@@ -67,11 +65,6 @@ HWY_INLINE uint32_t corners_of(uint32_t cells) {
     const uint32_t low = cells | cells << 1;
     return low | low << kBlockVertices;
 }
-/// Of the two of a cell.
-HWY_INLINE uint32_t first_triangle(int cell) {
-    return static_cast<uint32_t>(2 * (cell / kBlockVertices * kBlockCells + cell % kBlockVertices));
-}
-
 using Rays = hn::CappedTag<float, kPacketSize>;
 using RayVector = hn::Vec<Rays>;
 constexpr int kRayWidth = static_cast<int>(hn::MaxLanes(Rays()));
@@ -223,21 +216,10 @@ class VertexTest {
         const size_t lane = lane_;
         const auto in_all = [lane](const float* from) { return hn::Set(Rays(), from[lane]); };
         const RayLanes<Rays, OneAxis<Rays>> ray(rays, OneAxis<Rays>(rays, axis, in_all), in_all);
-        const RayVector most = hn::Set(Rays(), kCornerError), least = hn::Set(Rays(), -kCornerError);
-        uint32_t right = 0, left = 0, above = 0, below = 0;
-        for (int start = 0; start < kBlockSize; start += kRayWidth) {
-            const int first = std::min(start, kBlockSize - kRayWidth);
-            const Corner<RayVector> corner = ray.corner(first, load);
-            hn::StoreU(corner.x, Rays(), x_ + first);
-            hn::StoreU(corner.y, Rays(), y_ + first);
-            hn::StoreU(corner.depth, Rays(), depth_ + first);
-            right |= mask_bits(Rays(), hn::Gt(corner.x, most)) << first;
-            left |= mask_bits(Rays(), hn::Lt(corner.x, least)) << first;
-            above |= mask_bits(Rays(), hn::Gt(corner.y, most)) << first;
-            below |= mask_bits(Rays(), hn::Lt(corner.y, least)) << first;
-        }
-        const uint32_t passed = all_corners(right) | all_corners(left) | all_corners(above) | all_corners(below);
-        for (uint32_t cells = kSpacedCells & ~passed; cells != 0; cells &= cells - 1) add_cell(__builtin_ctz(cells));
+        const auto corners_from = [&](int vertex) { return ray.corner(vertex, load); };
+        VertexCells().run(corners_from, [this](uint32_t triangle, float near, float far, bool surely) {
+            add(triangle, near, far, surely);
+        });
     }
 
   private:
@@ -246,33 +228,12 @@ class VertexTest {
     OpenFacets& open_;
     uint32_t start_facet_;
     float sure_from_, sure_to_;
-    float x_[kBlockSize], y_[kBlockSize], depth_[kBlockSize];
 
-    /// The cells whose four corners all have their bit.
-    static uint32_t all_corners(uint32_t vertices) {
-        const uint32_t pairs = vertices & vertices >> 1;
-        return pairs & pairs >> kBlockVertices;
-    }
-    HWY_INLINE float edge_of(int p, int q) const { return x_[p] * y_[q] - y_[p] * x_[q]; }
-    HWY_INLINE float size_of(int p) const { return std::abs(x_[p]) + std::abs(y_[p]); }
-    HWY_INLINE void add_cell(int a) {
-        const int b = a + 1, c = a + kBlockVertices + 1, d = a + kBlockVertices;
-        const float off = (((size_of(a) + size_of(b)) + (size_of(c) + size_of(d))) + kCornerError) * kCornerError;
-        const float ac = edge_of(a, c);
-        const uint32_t triangle = first_triangle(a);
-        add(edge_of(a, b), edge_of(b, c), -ac, off, {a, b, c}, triangle);
-        add(ac, edge_of(c, d), edge_of(d, a), off, {a, c, d}, triangle + 1);
-    }
-    HWY_INLINE void add(float pq, float qr, float rp, float off, const std::array<int, 3>& corners, uint32_t triangle) {
-        const float smallest = std::min(pq, std::min(qr, rp)), largest = std::max(pq, std::max(qr, rp));
-        if (smallest < -off && largest > off) return;
-        const float p = depth_[corners[0]], q = depth_[corners[1]], r = depth_[corners[2]];
-        const float near = std::min(p, std::min(q, r)), far = std::max(p, std::max(q, r));
+    HWY_INLINE void add(uint32_t triangle, float near, float far, bool surely) {
         if (!(far >= 0.0f && near <= farthest) || !block_.has(triangle)) return;
         if (start_facet_ == facet_number(block_.number, triangle)) return;
         open_.add(lane_, {block_.number, triangle, near});
-        const bool inside = smallest > off || largest < -off;
-        if (!inside || near < sure_from_ || far > sure_to_) return;
+        if (!surely || near < sure_from_ || far > sure_to_) return;
         sure = true;
         farthest = std::min(farthest, far * kBeyond + kBeyondBy);
     }
@@ -296,12 +257,7 @@ HWY_INLINE uint32_t find_one_by_one(const NumberedBlock& block, const RayPacket&
     return sure;
 }
 
-HWY_INLINE RayVector as_floats(const int32_t* fixed) {
-    const hn::Rebind<int32_t, Rays> integers;
-    return hn::Mul(hn::ConvertTo(Rays(), hn::LoadU(integers, fixed)), hn::Set(Rays(), static_cast<float>(kFixedStep)));
-}
-
-void to_floats(const int32_t* fixed, float* vertices) {
+HWY_INLINE void to_floats(const int32_t* fixed, float* vertices) {
     for (int i = 0; i < 3 * kBlockSize; i += kRayWidth) hn::StoreU(as_floats(fixed + i), Rays(), vertices + i);
 }
 
@@ -359,11 +315,10 @@ namespace rayleaf {
 
 HWY_EXPORT(find_in_block);
 HWY_EXPORT(shear);
-HWY_EXPORT(to_floats);
 
 PacketKernels packet_kernels() {
     choose_kernels();
-    return {&HWY_DYNAMIC_DISPATCH(to_floats), &HWY_DYNAMIC_DISPATCH(shear), &HWY_DYNAMIC_DISPATCH(find_in_block)};
+    return {&HWY_DYNAMIC_DISPATCH(shear), &HWY_DYNAMIC_DISPATCH(find_in_block)};
 }
 
 }  // namespace rayleaf

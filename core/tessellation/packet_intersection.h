@@ -58,8 +58,6 @@ using FindInBlock = uint32_t (*)(const BlockVertices& vertices, uint32_t block, 
                                  float* farthest, OpenFacets& open);
 
 struct PacketKernels {
-    /// Fixed vertices as floats.
-    void (*to_floats)(const int32_t* fixed, float* vertices);
     void (*shear)(RayPacket& rays, uint32_t lanes);
     /// A few rays one after the other, the block's vertices in the lanes. More of them in the lanes, the vertices one
     /// after the other: that costs a fraction.

@@ -45,14 +45,6 @@ BlockVertices ResidentScene::vertices(const FacetBlock& block) const {
     return {nullptr, block.fixed[0], block.facets};
 }
 
-/// A block's vertices in single precision, [3][25].
-const float* ResidentScene::float_vertices(const FacetBlock& block, float* room) const {
-    const BlockVertices held = vertices(block);
-    if (held.floats) return held.floats;
-    packet_kernels_.to_floats(held.fixed, room);
-    return room;
-}
-
 /// A ray alone.
 struct ResidentScene::Query {
     const ResidentScene* scene;
@@ -63,8 +55,11 @@ struct ResidentScene::Query {
 
 void ResidentScene::add_candidates(const FacetBlock& block, const GridRay& ray, float t_max,
                                    GridCandidates& candidates) const {
-    float room[kVertexRoom];
-    kernels_.add_block_of_floats(float_vertices(block, room), ray, t_max, candidates);
+    const BlockVertices held = vertices(block);
+    if (held.floats)
+        kernels_.add_block_of_floats(held.floats, ray, t_max, candidates);
+    else
+        kernels_.add_block_of_fixed(held.fixed, ray, t_max, candidates);
 }
 
 /// Offers the facets of a block that the ray may meet; the exact hit decides.

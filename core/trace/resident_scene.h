@@ -51,7 +51,6 @@ class ResidentScene final : public ShapeScene {
     enum class Wanted : uint8_t { Closest, Any };
 
     BlockVertices vertices(const FacetBlock& block) const;
-    const float* float_vertices(const FacetBlock& block, float* room) const;
     bool find(const LocalRay& ray, ShapeHit& hit, Wanted wanted) const;
     void find(PacketQuery& packet, Wanted wanted) const;
     void add_candidates(const FacetBlock& block, const GridRay& ray, float t_max, GridCandidates& candidates) const;
