@@ -231,7 +231,7 @@ void add_fixed_block(const Grid& grid, uint32_t block, const GridRay& ray, float
     add_block_cells(test, grid.fixed[block][0], first_cell(static_cast<int>(block), kGridCells), candidates);
 }
 
-/// Vertices of a block as a ray alone sees them; `load` makes lanes of the block's numbers, [3][25], from this one on.
+/// Adds the facets of a block that the ray may hit. `load` makes lanes of its vertices' numbers, [3][25], from one on.
 template <class Load>
 HWY_INLINE void add_vertex_cells(const GridRay& ray, float t_max, const Load& load, GridCandidates& candidates) {
     struct Corners {

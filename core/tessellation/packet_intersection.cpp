@@ -65,6 +65,7 @@ HWY_INLINE uint32_t corners_of(uint32_t cells) {
     const uint32_t low = cells | cells << 1;
     return low | low << kBlockVertices;
 }
+
 using Rays = hn::CappedTag<float, kPacketSize>;
 using RayVector = hn::Vec<Rays>;
 constexpr int kRayWidth = static_cast<int>(hn::MaxLanes(Rays()));

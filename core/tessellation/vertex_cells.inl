@@ -12,6 +12,7 @@ HWY_INLINE uint32_t first_triangle(int cell) {
 using VertexLanes = hn::CappedTag<float, 16>;
 constexpr int kVertexLanes = static_cast<int>(hn::MaxLanes(VertexLanes()));
 
+/// The vertices of the block, and the walk over its cells.
 class VertexCells {
   public:
     /// `corner_of` makes lanes of the vertices from this one on: x, y and depth in the space of the ray.
