@@ -74,35 +74,29 @@ def _column(splines: Any, name: str, kind: Any) -> NDArray[np.int32]:
 
 def _settings(curve: Any) -> NDArray[np.int32]:
     splines = curve.splines
-    kinds = {name: place for place, name in enumerate(KINDS)}
-    modes = {name: place for place, name in enumerate(_INTERPOLATIONS)}
-    count = len(splines)
+    settings = np.zeros((len(splines), ENDS_AT_SEAM + 1), np.int32)
     # Enumerations cannot be read together: Blender's foreach_get gives their bytes with what lies beside them.
-    kind, radius_modes, tilt_modes = np.zeros((3, count), np.int32)
-    for number, spline in enumerate(splines):
-        kind[number] = kinds[spline.type]
-        if kind[number] == kinds["BEZIER"]:
-            radius_modes[number] = modes[spline.radius_interpolation]
-            tilt_modes[number] = modes[spline.tilt_interpolation]
-    columns = [
-        kind,
-        _column(splines, "use_cyclic_u", bool),
-        _column(splines, "order_u", np.int32),
-        _column(splines, "use_endpoint_u", bool),
-        _column(splines, "use_bezier_u", bool),
-        radius_modes,
-        tilt_modes,
-        _column(splines, "resolution_u", np.int32),
-        _column(splines, "material_index", np.int32),
-        _column(splines, "use_smooth", bool),
-        np.zeros(count, np.int32),  # what is filled together: curve_fills.py
-        np.zeros(count, np.int32),  # curve_outlines.py
-    ]
-    settings = np.stack(columns, axis=1)
+    names = [spline.type for spline in splines]
+    settings[:, KIND] = [KINDS.index(name) for name in names]
+    for own, spline, name in zip(settings, splines, names, strict=True):
+        if name == "BEZIER":
+            own[RADIUS] = _INTERPOLATIONS.index(spline.radius_interpolation)
+            own[TILT] = _INTERPOLATIONS.index(spline.tilt_interpolation)
+    columns: tuple[tuple[int, str, Any], ...] = (
+        (CYCLIC, "use_cyclic_u", bool),
+        (ORDER, "order_u", np.int32),
+        (ENDPOINT, "use_endpoint_u", bool),
+        (BEZIER, "use_bezier_u", bool),
+        (RESOLUTION, "resolution_u", np.int32),
+        (MATERIAL, "material_index", np.int32),
+        (SMOOTH, "use_smooth", bool),
+    )
+    for column, name, kind in columns:
+        settings[:, column] = _column(splines, name, kind)
     if curve.render_resolution_u > 0:
         settings[:, RESOLUTION] = curve.render_resolution_u
     # What does not count must not part splines that could go together.
-    settings[np.ix_(kind != kinds["NURBS"], (ORDER, ENDPOINT, BEZIER))] = (4, 0, 0)
+    settings[np.ix_(settings[:, KIND] != KINDS.index("NURBS"), (ORDER, ENDPOINT, BEZIER))] = (4, 0, 0)
     return settings
 
 
@@ -170,17 +164,15 @@ def _read_points(splines: Any, kinds: list[int], counts: list[int], total: int) 
 
 def _numbers(table: SplineTable) -> NDArray[np.int64]:
     """(splines,): equal for equal settings. One number a spline, for numbers sort faster than rows."""
-    if not len(table.settings):
-        return np.empty(0, np.int64)
     largest = table.settings.max(axis=0).astype(np.int64) + 1
     return np.asarray(np.ravel_multi_index(tuple(table.settings.T), tuple(largest)))
 
 
 def _by_settings(table: SplineTable) -> tuple[SplineTable, NDArray[np.int64]]:
     """The splines with those of equal settings together, else in their order; where each such group begins."""
+    if (table.settings == table.settings[:1]).all():
+        return table, np.arange(min(len(table.settings), 1))
     numbers = _numbers(table)
-    if (numbers == numbers[:1]).all():
-        return table, np.arange(min(len(numbers), 1))
     order = np.argsort(numbers, kind="stable")
     of_points = np.argsort(np.repeat(numbers, table.counts), kind="stable")
     together = SplineTable(

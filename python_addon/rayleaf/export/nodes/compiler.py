@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 from ... import versions
@@ -25,17 +25,19 @@ class NodeView:
         self.compiler, self.node, self._path = compiler, node, path
         self.emitter, self.resources = compiler.emitter, compiler.resources
 
+    @cached_property
+    def _sockets(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The inputs by identifier and by name; of those that share one, the first."""
+        by_identifier: dict[str, Any] = {}
+        by_name: dict[str, Any] = {}
+        for socket in self.node.inputs:
+            by_identifier.setdefault(socket.identifier, socket)
+            by_name.setdefault(name_of(socket), socket)
+        return by_identifier, by_name
+
     def socket(self, *names: str) -> Any:
         """The input of the first of these identifiers, or names, that the node has; None if it has none."""
-        for name in names:
-            for socket in self.node.inputs:
-                if socket.identifier == name:
-                    return socket
-        for name in names:
-            for socket in self.node.inputs:
-                if name_of(socket) == name:
-                    return socket
-        return None
+        return next((sockets[name] for sockets in self._sockets for name in names if name in sockets), None)
 
     def input(self, *names: str, default: float = 0.0) -> Register:
         """An input's value; `default` where this version of the node has no such input."""
