@@ -100,14 +100,19 @@ void DistributionTracer::sample_lights(const Branch& branch, const Vertex& verte
     if (scene_.lights().empty() || lobes.diffuse().size() + lobes.glossy().size() == 0) return;
     const int count = rays(branch, distribution_.light_rays);
     const uint32_t use = dimension(branch.vertex, PathDimension::Light);
-    const LitPoint at = lit(scene_, vertex);
+    LitPoint at = lit(scene_, vertex);
     const PathState path = branch.bounces.of_sampled_light();
+    std::vector<LightQuery> queries;
+    queries.reserve(static_cast<size_t>(count));
     for (int i = 0; i < count; ++i) {
         const Sampler sampler = branch.sampler.branch(static_cast<uint32_t>(i), static_cast<uint32_t>(count), use);
-        const Maybe<LightSample> light = scene_.lights().sample(at, sampler.get2(use), vertex.point.time, path);
-        if (!light) continue;
-        const LitClasses lit = lit_by_classes(branch, vertex, lobes, *light, count);
-        send_light(branch, vertex, *light, lit.value, lit.shares, count);
+        queries.push_back({&at, sampler.get2(use), vertex.point.time, path, {}});
+    }
+    scene_.lights().sample(queries);
+    for (const LightQuery& query : queries) {
+        if (!query.light) continue;
+        const LitClasses lit = lit_by_classes(branch, vertex, lobes, *query.light, count);
+        send_light(branch, vertex, *query.light, lit.value, lit.shares, count);
     }
 }
 

@@ -22,9 +22,10 @@ Maybe<ScatteredLight> scattered_light(const MediumSegment& segment, const Segmen
     const Vec3d position = segment.ray.at(place->t);
     PathState path = shadow;
     path.shadow = false;
-    const Maybe<LightSample> light =
-        lights.sample(lit_in(segment.scene, segment.media, position),
-                      sampler.get2(dimension(vertex, PathDimension::MediumLight)), segment.ray.time, path);
+    LitPoint at = lit_in(segment.scene, segment.media, position);
+    LightQuery query{&at, sampler.get2(dimension(vertex, PathDimension::MediumLight)), segment.ray.time, path, {}};
+    lights.sample({&query, 1});
+    const Maybe<LightSample>& light = query.light;
     if (!light || !(light->visibility & in_world_of(kind, kVisibleVolume))) return std::nullopt;
     const Vec3f outgoing = segment.outgoing();
     const float density = place->medium.density(outgoing, light->direction);

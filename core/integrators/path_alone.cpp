@@ -46,7 +46,11 @@ bool PathTracer::shade_alone(std::vector<LightRay>& light_rays) {
     vertex.point = scene_.tracer().surface_point(ray_, *hit_);
     material_->surface->evaluate(approach(vertex), vertex.closures);
     simplify(vertex.closures);
-    return shade(vertex, {random2(PathDimension::Light), random2(PathDimension::Scatter)}, light_rays);
+    std::vector<LightQuery> lights;
+    if (!look(vertex, random2(PathDimension::Light), lights)) return false;
+    for (LightQuery& query : lights)
+        query.light = scene_.lights().sample(*query.at, query.random, query.time, query.path);
+    return leave(vertex, random2(PathDimension::Scatter), lights, light_rays);
 }
 
 bool PathTracer::see_world_alone() {

@@ -22,6 +22,10 @@ void put(T& place, const Make& make) {
     new (&place) T(make());
 }
 
+/// Vertices that are lit and left together: as many as fill the lanes of vectors, and few enough that the nearest cache
+/// holds them.
+constexpr size_t kMostFromHere = 16;
+
 template <typename T, typename Visit>
 void for_each_packet(std::span<T> all, const Visit& visit) {
     for_each_part(all, kPacketSize, visit);
@@ -35,7 +39,7 @@ PathStream::PathStream(const Scene& scene, const PathSettings& settings, size_t 
       cancel_(cancel),
       vertices_(kMostPoints),
       inputs_(kMostPoints),
-      scatter_queries_(kMostPoints) {
+      scatter_queries_(kMostFromHere) {
     paths_.reserve(most);
     light_rays_.reserve(most);
 }
@@ -156,25 +160,69 @@ void PathStream::shade(const Program& program, std::span<const uint32_t> all) {
             numbers[i] = PathTracer::numbers(pairs, i * PathTracer::kPairsOfVertex);
             paths_[paths[i]].simplify(vertices_[i].closures);
         }
-        foresee({numbers.data(), paths.size()});
-        for (size_t i = 0; i < paths.size(); ++i) {
-            const size_t wanted = light_rays_.size();
-            goes_on_[paths[i]] = paths_[paths[i]].shade(vertices_[i], numbers[i], light_rays_) ? 1 : 0;
-            for (size_t k = wanted; k < light_rays_.size(); ++k) light_rays_[k].path = paths[i];
-        }
+        for_each_part(paths, kMostFromHere, [&](std::span<const uint32_t> part) {
+            const auto i = static_cast<size_t>(part.data() - paths.data());
+            go_on(part, {vertices_.data() + i, part.size()}, {numbers.data() + i, part.size()});
+        });
     }
 }
 
-/// What the vertices' lights and scattered rays ask of their closures.
-void PathStream::foresee(std::span<const VertexNumbers> numbers) {
-    const std::span<ScatterQuery> queries(scatter_queries_.data(), numbers.size());
-    for (size_t i = 0; i < numbers.size(); ++i) {
-        Vertex& vertex = vertices_[i];
-        queries[i] = {&vertex.closures,   vertex.outgoing, vertex.point.facet_normal,
-                      numbers[i].scatter, &vertex.view,    &vertex.scattered};
+/// By lights and scattered rays, from vertices whose closures are known.
+void PathStream::go_on(std::span<const uint32_t> paths, std::span<Vertex> vertices,
+                       std::span<const VertexNumbers> numbers) {
+    light_queries_.clear();
+    waiting_.clear();
+    for (uint32_t i = 0; i < paths.size(); ++i) {
+        const size_t first = light_queries_.size();
+        const bool stays = paths_[paths[i]].look(vertices[i], numbers[i].light, light_queries_);
+        vertices[i].is_foreseen = false;
+        goes_on_[paths[i]] = 0;
+        if (stays && vertices[i].closures.has_smooth_lobes())
+            waiting_.push_back({i, light_queries_.size() - first});
+        else if (stays)
+            leave(paths[i], vertices[i], numbers[i].scatter, {});
+    }
+    if (waiting_.empty()) return;
+    scene_.lights().sample(light_queries_);
+    foresee(paths, vertices, numbers);
+    LightQuery* lights = light_queries_.data();
+    for (const Waiting& each : waiting_) {
+        leave(paths[each.number], vertices[each.number], numbers[each.number].scatter, {lights, each.lights});
+        lights += each.lights;
+    }
+}
+
+void PathStream::leave(uint32_t path, Vertex& vertex, const Vec2f& random, std::span<LightQuery> lights) {
+    const size_t wanted = light_rays_.size();
+    goes_on_[path] = paths_[path].leave(vertex, random, lights, light_rays_) ? 1 : 0;
+    for (size_t i = wanted; i < light_rays_.size(); ++i) light_rays_[i].path = path;
+}
+
+/// What lights and scattered rays ask of the closures of vertices that wait for them.
+void PathStream::foresee(std::span<const uint32_t> paths, std::span<Vertex> vertices,
+                         std::span<const VertexNumbers> numbers) {
+    const std::span<ScatterQuery> queries(scatter_queries_.data(), waiting_.size());
+    const LightQuery* lights = light_queries_.data();
+    for (size_t i = 0; i < queries.size(); ++i) {
+        const Waiting& each = waiting_[i];
+        Vertex& vertex = vertices[each.number];
+        ScatterQuery& query = queries[i];
+        query.closures = &vertex.closures;
+        query.outgoing = vertex.outgoing;
+        query.facet_normal = vertex.point.facet_normal;
+        query.random = numbers[each.number].scatter;
+        query.view = &vertex.view;
+        query.sample = &vertex.scattered;
+        query.lit = &vertex.lit_by_lights;
+        query.lights = {};
+        query.answered = false;
+        if (each.lights > 0) query.light_side = side_normal(vertex);
+        for (size_t k = 0; k < each.lights; ++k, ++lights)
+            if (lights->light && !paths_[paths[each.number]].asks_kinds(*lights->light))
+                query.lights[k] = &lights->light->direction;
     }
     sample_together(queries);
-    for (size_t i = 0; i < numbers.size(); ++i) vertices_[i].is_foreseen = queries[i].answered;
+    for (size_t i = 0; i < queries.size(); ++i) vertices[waiting_[i].number].is_foreseen = queries[i].answered;
 }
 
 void PathStream::keep_those_that_go_on() {

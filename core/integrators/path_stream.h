@@ -56,6 +56,13 @@ class PathStream {
     std::vector<Vertex> vertices_;  ///< of the paths that are shaded together
     std::vector<ShadingInputs> inputs_;
     std::vector<ScatterQuery> scatter_queries_;
+    std::vector<LightQuery> light_queries_;
+    /// A vertex that waits for lights and for what lanes tell of its closures.
+    struct Waiting {
+        uint32_t number;
+        size_t lights;  ///< of the queries, as many are its own
+    };
+    std::vector<Waiting> waiting_;
 
     void trace_all();
     void trace_active(Coherence coherence);
@@ -64,7 +71,9 @@ class PathStream {
     void split_at_catchers();
     void see_world();
     void shade(const Program& program, std::span<const uint32_t> paths);
-    void foresee(std::span<const VertexNumbers> numbers);
+    void go_on(std::span<const uint32_t> paths, std::span<Vertex> vertices, std::span<const VertexNumbers> numbers);
+    void leave(uint32_t path, Vertex& vertex, const Vec2f& random, std::span<LightQuery> lights);
+    void foresee(std::span<const uint32_t> paths, std::span<Vertex> vertices, std::span<const VertexNumbers> numbers);
     void keep_those_that_go_on();
     void trace_light_rays(Coherence coherence);
     void trace_light_packet(std::span<LightRay> lights, Coherence coherence);

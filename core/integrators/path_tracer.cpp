@@ -22,7 +22,7 @@ const Ray kNewRay;
 
 /// Lights that are sampled where the camera looks, if there are several. Which light is chosen makes noise, and one
 /// more costs little beside the rest of the path. Further along it is not worth it.
-constexpr int kFirstLightRays = 2;
+constexpr int kFirstLightRays = kMostLights;
 
 /// The numbers of sample `index` of `count` made of a pair: x in the part of the unit interval that is its own, so that
 /// lights are chosen evenly; y moved on by as large a part, so that two places on one light lie apart.
@@ -72,15 +72,21 @@ ShadingInputs PathTracer::approach(Vertex& vertex) const {
     return inputs;
 }
 
-bool PathTracer::shade(Vertex& vertex, const VertexNumbers& numbers, std::vector<LightRay>& light_rays) {
+bool PathTracer::look(Vertex& vertex, const Vec2f& random, std::vector<LightQuery>& wanted) {
     if (bounces_.count() == 0) record_surface(vertex);
     if (settings_.feature_passes) features_.meet(scene_, vertex, hit_->t - ray_.t_min, light_.sample);
     if (bounces_.count() == 0 && is_held_out(vertex.closures)) return false;
     add_emission(vertex);
     if (bounces_.is_spent()) return false;
+    if (!bounces_.is_last()) want_lights(vertex, random, wanted);
+    return true;
+}
+
+bool PathTracer::leave(Vertex& vertex, const Vec2f& random, std::span<LightQuery> lights,
+                       std::vector<LightRay>& light_rays) {
     vertex.look();
-    if (!bounces_.is_last()) add_direct_light(vertex, numbers.light, light_rays);
-    const bool goes_on = leave(vertex, numbers.scatter, light_rays);
+    add_lights(vertex, lights, light_rays);
+    const bool goes_on = go_on(vertex, random, light_rays);
     ++vertex_;
     return goes_on;
 }
@@ -189,16 +195,24 @@ void PathTracer::add_emission(const Vertex& vertex) {
         scene_.light_group(vertex.point.instance));
 }
 
-void PathTracer::add_direct_light(Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
+void PathTracer::want_lights(Vertex& vertex, const Vec2f& random, std::vector<LightQuery>& wanted) const {
     const LightSet& lights = scene_.lights();
     vertex.lit = lit(scene_, vertex);
     if (!vertex.closures.has_smooth_lobes() || lights.empty()) return;
-    lights.weigh(vertex.lit);
-    const PathState state = lights.asks_path() ? bounces_.of_sampled_light() : PathState();
     const int count = bounces_.count() == 0 && lights.holds_several() ? kFirstLightRays : 1;
     for (int i = 0; i < count; ++i) {
-        const Vec2f numbers = count == 1 ? random : numbers_of_part(random, i, count);
-        Maybe<LightSample> light = lights.sample(vertex.lit, numbers, vertex.point.time, state);
+        LightQuery& query = wanted.emplace_back();
+        query.at = &vertex.lit;
+        query.random = count == 1 ? random : numbers_of_part(random, i, count);
+        query.time = vertex.point.time;
+        if (lights.asks_path()) query.path = bounces_.of_sampled_light();
+    }
+}
+
+void PathTracer::add_lights(const Vertex& vertex, std::span<LightQuery> lights, std::vector<LightRay>& light_rays) {
+    const auto count = static_cast<int>(lights.size());
+    for (int i = 0; i < count; ++i) {
+        Maybe<LightSample>& light = lights[static_cast<size_t>(i)].light;
         if (!light) continue;
         if (bounces_.is_in_footage()) see_in_footage(*light);
         add_sampled_light(vertex, *light, {i, count}, light_rays);
@@ -208,9 +222,9 @@ void PathTracer::add_direct_light(Vertex& vertex, const Vec2f& random, std::vect
 void PathTracer::add_sampled_light(const Vertex& vertex, const LightSample& light, const Sibling& sibling,
                                    std::vector<LightRay>& light_rays) {
     const bool first = bounces_.count() == 0;
-    const LitLobes lit = (first && settings_.light_passes) || !lights_all_kinds(light)
-                             ? lit_by_kind(vertex, vertex.closures, vertex.view, light)
-                             : lit_together(vertex, vertex.closures, vertex.view, light);
+    const LitLobes lit = asks_kinds(light)    ? lit_by_kind(vertex, vertex.closures, vertex.view, light)
+                         : vertex.is_foreseen ? lit_as_foreseen(vertex, light, static_cast<size_t>(sibling.index))
+                                              : lit_together(vertex, vertex.closures, vertex.view, light);
     if (is_black(lit.value)) return;
     // As for one light: where a program shows scattered rays other light, the weights stay those of Cycles.
     const float share = 1.0f / static_cast<float>(sibling.count);
@@ -282,7 +296,7 @@ float PathTracer::straight_probability(const Closures& closures) const {
     return straight / (straight + scattered);
 }
 
-bool PathTracer::leave(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
+bool PathTracer::go_on(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
     const float straight = straight_probability(vertex.closures);
     if (straight >= 1.0f || (straight > 0.0f && this->random(PathDimension::Transparency) < straight))
         return pass_through(vertex, straight);
@@ -343,7 +357,10 @@ bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry, st
     throughput_ *= exit->throughput;
     if (!(max_component(throughput_) > 0.0f) || !is_finite(throughput_)) return false;
     ++vertex_;
-    add_direct_light(exit->vertex, random2(PathDimension::Light), light_rays);
+    std::vector<LightQuery> lights;
+    want_lights(exit->vertex, random2(PathDimension::Light), lights);
+    scene_.lights().sample(lights);
+    add_lights(exit->vertex, lights, light_rays);
     return scatter(exit->vertex, random2(PathDimension::Scatter), light_rays);
 }
 

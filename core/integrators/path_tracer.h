@@ -121,9 +121,16 @@ class alignas(64) PathTracer {  // begins with a line of the cache
     }
     /// Leaves out of closures what the path's settings drop; before shading.
     void simplify(Closures& closures) const { bounces_.simplify(closures); }
-    /// True if the path goes on from a vertex whose closures are known; rays to lights may be wanted either way, and
-    /// are appended to `light_rays`.
-    bool shade(Vertex& vertex, const VertexNumbers& numbers, std::vector<LightRay>& light_rays);
+    /// Takes what a vertex shows whose closures are known, and appends which lights are wanted for it to `wanted`; they
+    /// ask from the vertex, which must stay. False: the path ends.
+    bool look(Vertex& vertex, const Vec2f& random, std::vector<LightQuery>& wanted);
+    /// Whether it counts what each kind of lobe makes of a light.
+    bool asks_kinds(const LightSample& light) const {
+        return (bounces_.count() == 0 && settings_.light_passes) || !lights_all_kinds(light);
+    }
+    /// True if the path goes on from there; rays to the lights, which are known now, may be wanted either way, and are
+    /// appended to `light_rays`.
+    bool leave(Vertex& vertex, const Vec2f& random, std::span<LightQuery> lights, std::vector<LightRay>& light_rays);
     /// The share of the light of such a ray that arrives.
     void receive(const LightRay& from, const Color& free);
     /// Valid as long as the path.
@@ -209,7 +216,8 @@ class alignas(64) PathTracer {  // begins with a line of the cache
     /// Whether the world's program must be asked what the world shows.
     bool leave_scene();
     void add_emission(const Vertex& vertex);
-    void add_direct_light(Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
+    void want_lights(Vertex& vertex, const Vec2f& random, std::vector<LightQuery>& wanted) const;
+    void add_lights(const Vertex& vertex, std::span<LightQuery> lights, std::vector<LightRay>& light_rays);
     /// One of several sampled lights.
     struct Sibling {
         int index, count;
@@ -224,7 +232,7 @@ class alignas(64) PathTracer {  // begins with a line of the cache
     }
 
     /// True if the path goes on past the surface.
-    bool leave(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
+    bool go_on(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
     bool pass_through(const Vertex& vertex, float probability);
     bool scatter(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
     /// Light that enters the body at the vertex: lit and scattered on where it leaves.

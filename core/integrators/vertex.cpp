@@ -8,14 +8,6 @@ namespace {
 /// The rays that see a light which lights lobes of a kind.
 constexpr std::array kSeenBy = {kVisibleDiffuse, kVisibleGlossy, kVisibleTransmission};
 
-/// The normal that decides on which side a light is: the smooth surface's, so that facets do not show where light
-/// grazes; a facet's own where it is seen at a silhouette whose surface faces away.
-const Vec3f& side_normal(const Vertex& vertex) {
-    const SurfacePoint& point = vertex.point;
-    const bool seen = point.normal.dot(vertex.outgoing) * point.facet_normal.dot(vertex.outgoing) > 0.0f;
-    return point.shape && seen ? point.normal : point.facet_normal;
-}
-
 /// The density by which the vertex sends rays towards a light: none to where its facet faces away.
 float density_towards(const Vertex& vertex, const LightSample& light, float density) {
     const Vec3f& facet = vertex.point.facet_normal;
@@ -23,6 +15,12 @@ float density_towards(const Vertex& vertex, const LightSample& light, float dens
 }
 
 }  // namespace
+
+const Vec3f& side_normal(const Vertex& vertex) {
+    const SurfacePoint& point = vertex.point;
+    const bool seen = point.normal.dot(vertex.outgoing) * point.facet_normal.dot(vertex.outgoing) > 0.0f;
+    return point.shape && seen ? point.normal : point.facet_normal;
+}
 
 bool lights_all_kinds(const LightSample& light) {
     return std::all_of(kSeenBy.begin(), kSeenBy.end(),
@@ -32,6 +30,11 @@ bool lights_all_kinds(const LightSample& light) {
 LitLobes lit_together(const Vertex& vertex, const Closures& closures, const ClosureView& view,
                       const LightSample& light) {
     const auto both = closures.evaluate_with_density(view, light.direction, side_normal(vertex));
+    return {both.value, density_towards(vertex, light, both.density), {}};
+}
+
+LitLobes lit_as_foreseen(const Vertex& vertex, const LightSample& light, size_t number) {
+    const Closures::Evaluation& both = vertex.lit_by_lights[number];
     return {both.value, density_towards(vertex, light, both.density), {}};
 }
 

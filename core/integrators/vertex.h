@@ -5,6 +5,7 @@
 #include "lights/light.h"
 #include "rays/ray_differential.h"
 #include "shading/closure_view.h"
+#include "shading/scatter_lanes.h"
 
 #include <optional>
 
@@ -42,8 +43,10 @@ struct Vertex {
     LitPoint lit;  ///< to lights, once they are sampled
     Closures closures;
     ClosureView view;  ///< of the closures, for light and scattering
-    /// Where the view and the direction to go on by were found together with those of other vertices: the latter.
+    /// Where the view, the direction to go on by and what the lobes make of sampled lights were found together with
+    /// those of other vertices: the latter two.
     std::optional<LobeSample> scattered;
+    LitByLights lit_by_lights;
     bool is_foreseen = false;
 
     void look() {
@@ -74,6 +77,11 @@ bool lights_all_kinds(const LightSample& light);
 /// By the lobes of `closures`, which are all or some of those of the vertex, as `view` sees them.
 LitLobes lit_together(const Vertex& vertex, const Closures& closures, const ClosureView& view,
                       const LightSample& light);
+/// The same of the vertex's closures, where it is foreseen and the light is that of this number.
+LitLobes lit_as_foreseen(const Vertex& vertex, const LightSample& light, size_t number);
+/// The normal that decides on which side of the vertex a light is: the smooth surface's, so that facets do not show
+/// where light grazes; a facet's own where it is seen at a silhouette whose surface faces away.
+const Vec3f& side_normal(const Vertex& vertex);
 /// The same with shares. Only kinds that see the light are lit by it.
 LitLobes lit_by_kind(const Vertex& vertex, const Closures& closures, const ClosureView& view, const LightSample& light);
 /// How much of each kind's light a ray carries that the lobes of `closures` scattered.

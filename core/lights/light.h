@@ -64,6 +64,19 @@ struct LampPoint {
     PathState path;           ///< of who sees it; its length is that from there, infinity for suns
 };
 
+/// A point of an emitting surface, seen from somewhere.
+struct EmitterPoint {
+    const SurfacePoint* point = nullptr;
+    Vec3f outgoing{0, 0, 1};  ///< unit, towards who sees it
+    PathState path;           ///< of who sees it; its length is that from there
+};
+
+/// A direction in which the world is seen.
+struct WorldDirection {
+    Vec3f direction{0, 0, 1};  ///< unit
+    PathState path;            ///< of who sees it
+};
+
 /// Light that arrives at a point from a sampled direction.
 struct LightSample {
     Vec3f direction{0, 0, 1};  ///< unit, from the point to the light
@@ -123,14 +136,28 @@ inline PathState sampling_state() {
     return state;
 }
 
-/// Emitted radiance of a surface point towards `outgoing`, for emitters and the world; given by the scene. The path is
-/// that of who sees it, its length included.
-using SurfaceEmission = std::function<Color(const SurfacePoint&, const Vec3f& outgoing, const PathState&)>;
-/// The same of a surface that emits alike everywhere and in all directions; null: it may not.
+/// A light that is wanted for a point, and the answer.
+struct LightQuery {
+    LitPoint* at = nullptr;  ///< gets its groups, if they are not known
+    /// In [0,1)². x chooses the light, and what the choice leaves of it is used again with y for the place on it: so
+    /// the places on each light are stratified as the pair is, 2^-24 over the light's probability apart.
+    Vec2f random{0, 0};
+    float time = kMiddleTime;  ///< of the shutter
+    PathState path;            ///< for programs of lights; its ray length is filled in
+    Maybe<LightSample> light;  ///< empty: none arrives
+};
+
+/// Queries that are answered together, at most: as many as programs are run for at once (kMostPoints).
+inline constexpr size_t kMostTogether = 32;
+
+/// What surfaces, the world and lamps emit where they are seen: a radiance for each of the points, given by the scene.
+/// Points that are asked together cost less.
+using SurfaceEmission = std::function<void(std::span<const EmitterPoint>, Color* radiances)>;
+using WorldEmission = std::function<void(std::span<const WorldDirection>, Color* radiances)>;
+/// Of lamps with programs, factors on their strengths.
+using LampEmission = std::function<void(std::span<const LampPoint>, Color* factors)>;
+/// What a surface emits that emits alike everywhere and in all directions; null: it may not.
 using EvenEmission = std::function<const Color*(uint32_t instance, const LocalHit&)>;
-using WorldEmission = std::function<Color(const Vec3f& direction, const PathState&)>;
-/// Factor on the strength of a lamp with a program.
-using LampEmission = std::function<Color(const LampPoint&)>;
 
 struct Emissions {
     SurfaceEmission surface;
@@ -163,11 +190,9 @@ class LightSet {
     bool holds_several() const { return holds_several_; }  ///< lamps, suns, emitting instances, a world that is sampled
     /// False: no light that is sampled asks for the path's state.
     bool asks_path() const { return asks_path_; }
-    /// Keeps at the point what each choice of a light there begins with, where that takes long.
-    void weigh(LitPoint& at) const;
-    /// A light for a point; `random` in [0,1)²; `time` of the shutter. x chooses the light, and what the choice leaves
-    /// of it is used again with y for the place on it: so the places on each light are stratified as the pair is,
-    /// 2^-24 over the light's probability apart. `path`: the state for programs of lights; its ray length is filled in.
+    /// Chooses a light for each query: the same bits as one by one, in less time where lights have programs.
+    void sample(std::span<LightQuery> queries) const;
+    /// A light for one point (LightQuery).
     Maybe<LightSample> sample(const LitPoint& at, const Vec2f& random, float time = kMiddleTime,
                               const PathState& path = sampling_state()) const;
     /// The lights that the first `end` of a ray passes. `likely`: a point of it by which one is chosen, by `random` in

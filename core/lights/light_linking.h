@@ -54,7 +54,7 @@ struct LitPoint {
     /// Of a surface that scatters what comes from one side alone: the unit normal on that side. Lights beyond are
     /// chosen seldom. Zero: light counts wherever it comes from.
     Vec3f normal{0, 0, 0};
-    Maybe<LightGroups> groups = std::nullopt;  ///< what LightSet::weigh found
+    Maybe<LightGroups> groups = std::nullopt;  ///< what LightSet::sample has found
 };
 
 /// At the point, where nothing is known of the directions of its light.

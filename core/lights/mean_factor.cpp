@@ -3,9 +3,11 @@
 #include "lights/chosen_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 namespace rayleaf {
 namespace {
@@ -31,14 +33,18 @@ double mean_factor(const Lamp& lamp, size_t number, const LampEmission& emission
     constexpr size_t kDirections = 128;
     constexpr double kLeast = 1e-3, kMost = 1e12;
     const bool is_sun = lamp.kind == LampKind::Sun;
-    double sum = 0;
+    std::vector<LampPoint> points;
+    points.reserve(kDirections);
     for (size_t i = 0; i < kDirections; ++i) {
         const Vec3f outgoing = is_sun ? -Vec3f(lamp.to_world.z.normalized()) : spread_direction(lamp, i, kDirections);
         const Vec3d position = is_sun ? Vec3d(-outgoing) : lamp.to_world.translation;
         const double distance = is_sun ? std::numeric_limits<double>::infinity() : 1.0;
-        const Color factor = emission({number, position, outgoing, of_length(sampling_state(), distance)});
-        sum += std::abs(double{factor.x} + double{factor.y} + double{factor.z}) / 3;
+        points.push_back({number, position, outgoing, of_length(sampling_state(), distance)});
     }
+    std::array<Color, kDirections> factors;
+    emission(points, factors.data());
+    double sum = 0;
+    for (const Color& factor : factors) sum += std::abs(double{factor.x} + double{factor.y} + double{factor.z}) / 3;
     const double mean = sum / kDirections;
     return std::isfinite(mean) ? std::clamp(mean, kLeast, kMost) : 1.0;
 }

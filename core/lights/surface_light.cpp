@@ -1,6 +1,7 @@
 #include "lights/surface_light.h"
 
 #include "base/box_distance.h"
+#include "base/short_list.h"
 #include "geometry/facet.h"
 #include "geometry/triangle_mesh.h"
 #include "lights/chosen_light.h"
@@ -124,7 +125,9 @@ SurfaceLights::Estimate estimate(const Tracer& tracer, const SurfaceEmission& em
         const Vec3d area = area_at(local_to_world, shape, point);
         const SurfacePoint surface = tracer.surface_point(instance, point.hit);
         if (!moves) cone.add(tracer, surface, normalized_or(area, Vec3d(0, 0, 1)), looks);
-        const Color color = emission(surface, surface.normal, path);
+        const EmitterPoint seen{&surface, surface.normal, path};
+        Color color;
+        emission({&seen, 1}, &color);
         result.area += area.length() / static_cast<double>(std::size(kLightProbes));
         if (is_finite(color)) result.radiance += std::max(0.0f, max_component(color)) / double(std::size(kLightProbes));
     }
@@ -248,32 +251,85 @@ void SurfaceLights::take_even_part_of_skies(std::vector<Estimate>& estimates) co
     }
 }
 
-Maybe<LightSample> SurfaceLights::sample(uint32_t item, const Vec3d& position, const Vec2f& random, float time,
-                                         const PathState& path) const {
-    const auto [instance, element] = elements_[item];
-    const Shape& shape = *tracer_.instance(instance).shape;
-    const Affine3d local_to_world = tracer_.local_to_world(instance, time);
-    const SeenTriangle seen = this->seen(local_to_world, instance, element, time, position);
-    const ElementPoint chosen = shape.element_point_at(element, seen ? seen.sample(random) : random, time);
-    const Color* even = even_emission_(instance, chosen.hit);
-    const SurfacePoint point =
-        even ? tracer_.place(instance, chosen.hit, time) : tracer_.surface_point(instance, chosen.hit, time);
-    const Vec3d offset = point.position - position;
+/// Where an element was sampled.
+struct SurfaceLights::Place {
+    const Wanted* wanted = nullptr;
+    double seen_density = 0;  ///< by solid angle; 0: it is sampled by area
+    Vec3d area{0, 0, 0};
+    SurfacePoint point;
+
+    LightQuery& query() const { return *wanted->query; }
+};
+
+/// All but the radiance.
+Maybe<LightSample> SurfaceLights::light_at(const Place& place) const {
+    const Vec3d offset = place.point.position - place.query().at->position;
     const double distance = offset.length();
-    const double density = seen ? seen.density() : density_at(offset, distance, area_at(local_to_world, shape, chosen));
+    const double density = place.seen_density > 0.0 ? place.seen_density : density_at(offset, distance, place.area);
     Maybe<LightSample> result;
     if (!(density > 0)) return result;
+    const uint32_t item = place.wanted->item;
     LightSample& sample = result.emplace();
     sample.direction = Vec3f(offset * (1.0 / distance));
     sample.distance = distance;
-    sample.target = point.ray_origin(offset * (-1.0 / distance));  // off the facet, on the side that looks here
-    sample.target_anchor = point.anchor();
+    sample.target = place.point.ray_origin(offset * (-1.0 / distance));  // off the facet, on the side that looks here
+    sample.target_anchor = place.point.anchor();
     sample.density = static_cast<float>(density);
-    sample.radiance = even ? *even : emission_(point, -sample.direction, of_length(path, distance));
     sample.visibility = visibility(item);
-    sample.instance = static_cast<int>(instance);
+    sample.instance = static_cast<int>(instance(item));
     sample.blockers = link(item).blockers;
     return result;
+}
+
+/// Completes the lights of places whose points are known.
+void SurfaceLights::ask(std::span<const Place* const> places) const {
+    ShortList<EmitterPoint, kMostTogether> points;
+    ShortList<LightSample*, kMostTogether> lights;
+    for (const Place* place : places) {
+        LightQuery& query = place->query();
+        query.light = light_at(*place);
+        if (!query.light) continue;
+        LightSample& light = *query.light;
+        EmitterPoint& point = points.add();
+        point.point = &place->point;
+        point.outgoing = -light.direction;
+        point.path = query.path;
+        point.path.ray_length = static_cast<float>(light.distance);
+        lights.add(&light);
+    }
+    std::array<Color, kMostTogether> radiances;
+    emission_(points.all(), radiances.data());
+    for (size_t i = 0; i < lights.size(); ++i) lights[i]->radiance = radiances[i];
+}
+
+void SurfaceLights::sample(std::span<const Wanted> all) const {
+    ShortList<Place, kMostTogether> places;
+    ShortList<ElementQuery, kMostTogether> elements;
+    ShortList<const Place*, kMostTogether> asked;  // what they emit depends on the place
+    for (const Wanted& wanted : all) {
+        LightQuery& query = *wanted.query;
+        const auto [instance, element] = elements_[wanted.item];
+        const Shape& shape = *tracer_.instance(instance).shape;
+        const Affine3d local_to_world = tracer_.local_to_world(instance, query.time);
+        const SeenTriangle seen = this->seen(local_to_world, instance, element, query.time, query.at->position);
+        const ElementPoint chosen =
+            shape.element_point_at(element, seen ? seen.sample(wanted.random) : wanted.random, query.time);
+        Place& place = places.add();
+        place.wanted = &wanted;
+        if (seen) place.seen_density = seen.density();
+        place.area = area_at(local_to_world, shape, chosen);
+        if (const Color* even = even_emission_(instance, chosen.hit)) {
+            place.point = tracer_.place(instance, chosen.hit, query.time);
+            query.light = light_at(place);
+            if (query.light) query.light->radiance = *even;
+        } else {
+            elements.add(instance, chosen.hit, query.time, &place.point);
+            asked.add(&place);
+        }
+    }
+    if (asked.empty()) return;
+    tracer_.surface_points(elements.all());
+    ask(asked.all());
 }
 
 double SurfaceLights::density(const Vec3d& from, const SurfacePoint& point) const {

@@ -19,9 +19,15 @@ class SurfaceLights {
     uint32_t count() const { return static_cast<uint32_t>(elements_.size()); }
     /// The elements as the tree sees them, in order. Throws Cancelled soon after `cancel` says so.
     std::vector<LightTreeItem> tree_items(const CancelToken& cancel) const;
-    Maybe<LightSample> sample(uint32_t item, const Vec3d& position, const Vec2f& random, float time,
-                              const PathState& path) const;
-    /// Density of `sample(item, from)` towards a point that a ray hit on that element.
+    /// An element that was chosen for a query.
+    struct Wanted {
+        uint32_t item;
+        Vec2f random;  ///< for the place on it
+        LightQuery* query;
+    };
+    /// Finds the queries' lights; they leave the choice of the element out. At most kMostTogether.
+    void sample(std::span<const Wanted> wanted) const;
+    /// Density of `sample` towards a point that a ray hit on that element.
     double density(const Vec3d& from, const SurfacePoint& point) const;
     /// The element that holds a point; empty where none of its instance was given as emitting.
     std::optional<uint32_t> item_of(const SurfacePoint& point) const;
@@ -52,6 +58,9 @@ class SurfaceLights {
     EvenEmission even_emission_;
 
     class SeenTriangle;
+    struct Place;
+    Maybe<LightSample> light_at(const Place& place) const;
+    void ask(std::span<const Place* const> places) const;
     /// `instance` has a table.
     SeenTriangle seen(const Affine3d& local_to_world, uint32_t instance, uint32_t element, float time,
                       const Vec3d& from) const;

@@ -42,14 +42,19 @@ py::array_t<float> colors(py::ssize_t count) {
 py::dict sample(const LightProbe& probe, const Array<double>& position, const Array<float>& random, int64_t lit_by,
                 const std::optional<Array<double>>& normal) {
     check_shape("light probe", "random", random, {-1, 2});
-    const LitPoint at = lit_point(position, lit_by, normal);
+    LitPoint at = lit_point(position, lit_by, normal);
     const py::ssize_t count = random.shape(0);
     py::array_t<float> direction = colors(count), radiance = colors(count), density(count);
     py::array_t<double> distance(count);
     py::array_t<bool> delta(count);
+    std::vector<LightQuery> queries;
     for (py::ssize_t i = 0; i < count; ++i) {
         const float* r = random.data() + 2 * i;
-        const Maybe<LightSample> found = probe.scene().lights().sample(at, Vec2f(r[0], r[1]));
+        queries.push_back({&at, Vec2f(r[0], r[1]), kMiddleTime, sampling_state(), {}});
+    }
+    probe.scene().lights().sample(queries);
+    for (py::ssize_t i = 0; i < count; ++i) {
+        const Maybe<LightSample>& found = queries[static_cast<size_t>(i)].light;
         const LightSample s = found ? *found : LightSample();
         for (int c = 0; c < 3; ++c) {
             direction.mutable_at(i, c) = s.direction[c];

@@ -252,18 +252,10 @@ std::vector<EmittingInstance> Scene::emitting_instances(const CancelToken& cance
 }
 
 void Scene::commit_lights(const SceneDescription& description, const Settings& settings, const CancelToken& cancel) {
-    const auto emission = [this](const SurfacePoint& point, const Vec3f& outgoing, const PathState& path) {
-        Closures closures;
-        shade(point, outgoing, {}, path, closures);
-        return closures.emission;
-    };
     const auto even = [this](uint32_t instance, const LocalHit& hit) {
         const std::optional<Color>& color =
             even_emissions_[static_cast<size_t>(&material(instance, hit) - materials_.data())];
         return color ? &*color : nullptr;
-    };
-    const auto world_emission = [this](const Vec3f& direction, const PathState& path) {
-        return world(direction, {}, path);
     };
     const bool sampled = world_ && world_->emits() && !world_->is_constant();
     std::shared_ptr<const WorldLight> table;
@@ -277,39 +269,16 @@ void Scene::commit_lights(const SceneDescription& description, const Settings& s
     world_lit_by_ = description.world_lit_by;
     lamps_ = description.lamps;
     for (const Lamp& lamp : lamps_) lamp_infos_.push_back({lamp.to_world, inverse_or_identity(lamp.to_world)});
-    const auto lamp_light = [this](const LampPoint& lamp) { return lamp_emission(lamp); };
-    lights_ = std::make_unique<LightSet>(lamps_, emitting_instances(cancel), *tracer_,
-                                         Emissions{emission, even, world_emission, lamp_light, world_visibility_},
+    Emissions emissions;
+    emissions.surface = [this](std::span<const EmitterPoint> points, Color* to) { emit_surfaces(points, to); };
+    emissions.even = even;
+    emissions.world = [this](std::span<const WorldDirection> directions, Color* to) { emit_world(directions, to); };
+    emissions.lamp = [this](std::span<const LampPoint> points, Color* to) { emit_lamps(points, to); };
+    emissions.world_visibility = world_visibility_;
+    lights_ = std::make_unique<LightSet>(lamps_, emitting_instances(cancel), *tracer_, std::move(emissions),
                                          std::move(table), cancel);
     has_light_linking_ = placed_.linked > 0 || world_lit_by_ != kAllLightSets || lights_->has_links();
     has_blocked_lights_ = !lights_->emitters_with_blockers().empty() || lights_->has_hittable_lamps_with_blockers();
-}
-
-/// Normals are those of the lamp's frame. Area lamps have parameters, 0 to 1, but no texture coordinates, as in Cycles.
-Color Scene::lamp_emission(const LampPoint& lamp) const {
-    const Lamp& description = lamps_[lamp.lamp];
-    const InstanceInfo& info = lamp_infos_[lamp.lamp];
-    const bool is_area = description.kind == LampKind::Rectangle || description.kind == LampKind::Disk;
-    SurfacePoint point;
-    point.position = point.facet_position = lamp.position;
-    point.inside = true;
-    point.normal = point.facet_normal = lamp.outgoing;
-    if (is_area) {
-        const Vec3d local = info.world_to_object.point(lamp.position);
-        point.local.u = static_cast<float>(local.x / description.size_x + 0.5);
-        point.local.v = static_cast<float>(local.y / description.size_y + 0.5);
-        point.normal = point.facet_normal = Vec3f(normalized_or(-description.to_world.z, Vec3d(0, 0, -1)));
-    }
-    ShadingInputs inputs;
-    inputs.point = &point;
-    inputs.instance = &info;
-    inputs.camera = &camera_->info();
-    inputs.textures = textures_.get();
-    inputs.outgoing = lamp.outgoing;
-    inputs.path = lamp.path;
-    Closures closures;
-    description.emission->evaluate(inputs, closures);
-    return closures.emission;
 }
 
 const Material& Scene::material_of(const std::vector<int>& list, uint32_t slot) const {

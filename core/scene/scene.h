@@ -202,7 +202,10 @@ class Scene {
     void commit_media(const SceneDescription& description, const CancelToken& cancel);
     bool is_in_medium(uint32_t instance) const;
     void commit_glass(const SceneDescription& description, const CancelToken& cancel);
-    Color lamp_emission(const LampPoint& lamp) const;
+    void emit_surfaces(std::span<const EmitterPoint> points, Color* radiances) const;
+    void emit_world(std::span<const WorldDirection> directions, Color* radiances) const;
+    void emit_lamps(std::span<const LampPoint> points, Color* factors) const;
+    void place_on_lamp(const LampPoint& lamp, SurfacePoint& point) const;
     void commit_lights(const SceneDescription& description, const Settings& settings, const CancelToken& cancel);
     std::vector<EmittingInstance> emitting_instances(const CancelToken& cancel) const;
     const Material& material_of(const std::vector<int>& list, uint32_t slot) const;

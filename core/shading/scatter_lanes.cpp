@@ -4,6 +4,7 @@
 #include "shading/lobes.h"
 #include "shading/scatter_rows.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -155,6 +156,33 @@ HWY_INLINE Light facet_light(const ScatterLanes& lanes, size_t first, const Face
     return light;
 }
 
+/// As two lobes make it together.
+HWY_INLINE Light together(const Views& v, const Light& a, const Light& b) {
+    Light both;
+    both.value = a.value + b.value;
+    both.density = hn::Add(hn::Mul(a.density, v.diffuse_probability), hn::Mul(b.density, v.facets_probability));
+    return both;
+}
+
+/// Both sides of a surface, as closure_view.cpp asks for them; none of these lobes goes through.
+HWY_INLINE Truth are_on_one_side(const Float3& normal, const Float3& a, const Float3& b) {
+    return hn::Not(hn::Xor(is_positive(dot(normal, a)), is_positive(dot(normal, b))));
+}
+
+HWY_INLINE void light_lobes(ScatterLanes& lanes, ScatterLanes::Light& light, size_t first, const Facets& facets,
+                            const Float3& outgoing, const Views& v) {
+    Chosen c;  // as if another lobe had chosen it
+    c.direction = load(light.incoming, first);
+    c.by_facets = hn::Eq(all(0.0f), all(0.0f));
+    c.local_z = all(0.0f);
+    const Half half(outgoing, c.direction);
+    const Light lit = together(v, diffuse_light(lanes, first, outgoing, v, c, half),
+                               facet_light(lanes, first, facets, v, c.direction, half));
+    const Truth counts = are_on_one_side(load(lanes.light_side, first), outgoing, c.direction);
+    store(kept_where(counts, lit.value), light.value, first);
+    store(hn::IfThenElseZero(counts, lit.density), light.density + first);
+}
+
 HWY_INLINE Truth is_finite(const Float3& v) {
     return hn::And(hn::And(hn::IsFinite(v.x), hn::IsFinite(v.y)), hn::IsFinite(v.z));
 }
@@ -172,13 +200,12 @@ void scatter_lanes(ScatterLanes& lanes) {
         const Half half(outgoing, c.direction);
         const Light a = diffuse_light(lanes, first, outgoing, v, c, half);
         const Light b = facet_light(lanes, first, facets, v, c.direction, half);
-        const Float density =
-            hn::Add(hn::Mul(a.density, v.diffuse_probability), hn::Mul(b.density, v.facets_probability));
-        const Float3 evaluated = times(a.value + b.value, hn::Div(all(1.0f), density));
+        const Light both = together(v, a, b);
+        const Float density = both.density;
+        const Float3 evaluated = times(both.value, hn::Div(all(1.0f), density));
         const Truth diffuse_alone = hn::Not(holds(lanes.facets.is_there + first));
         const Float3 value = select(diffuse_alone, a.weight, evaluated);
-        // Both sides of a facet, as closure_view.cpp asks for them; none of these lobes goes through.
-        const Truth same = hn::Not(hn::Xor(is_positive(dot(side, outgoing)), is_positive(dot(side, c.direction))));
+        const Truth same = are_on_one_side(side, outgoing, c.direction);
         const Truth carries = hn::And(is_positive(density), hn::AndNot(is_black(value), is_finite(value)));
         store(v.diffuse_probability, lanes.diffuse.probability + first);
         store(v.diffuse_cosine, lanes.diffuse.cosine + first);
@@ -192,6 +219,8 @@ void scatter_lanes(ScatterLanes& lanes) {
         store(c.direction, lanes.direction, first);
         store(value, lanes.value, first);
         store(density, lanes.density + first);
+        for (size_t light = 0; light < lanes.light_count; ++light)
+            light_lobes(lanes, lanes.lights[light], first, facets, outgoing, v);
     }
 }
 
@@ -256,6 +285,12 @@ void set_query(const ScatterQuery& query, const KnownLobes& lobes, size_t i, Sca
     set(query.facet_normal, i, lanes.facet_normal);
     lanes.random_x[i] = query.random.x;
     lanes.random_y[i] = query.random.y;
+    set(query.light_side, i, lanes.light_side);
+    for (size_t light = 0; light < kMostLights; ++light) {
+        if (!query.lights[light]) continue;
+        set(*query.lights[light], i, lanes.lights[light].incoming);
+        lanes.light_count = std::max(lanes.light_count, light + 1);
+    }
     if (lobes.diffuse) {
         const Vec3f& smooth = query.closures->smooth_normal;
         set_lobe(*lobes.diffuse, i, lanes.diffuse);
@@ -301,6 +336,12 @@ void take_sample(const ScatterQuery& query, const KnownLobes& lobes, size_t i, c
     sample.roughness = lobe_width(lobe);
 }
 
+void take_lights(const ScatterQuery& query, size_t i, const ScatterLanes& lanes) {
+    for (size_t light = 0; light < kMostLights; ++light)
+        if (query.lights[light])
+            (*query.lit)[light] = {vector_at(lanes.lights[light].value, i), lanes.lights[light].density[i]};
+}
+
 /// Up to ScatterLanes::kMost queries that lanes know.
 struct KnownQueries {
     std::array<ScatterQuery*, ScatterLanes::kMost> queries;
@@ -316,6 +357,7 @@ struct KnownQueries {
         for (size_t i = 0; i < count; ++i) {
             take_view(*queries[i], lobes[i], i, lanes);
             take_sample(*queries[i], lobes[i], i, lanes);
+            take_lights(*queries[i], i, lanes);
             queries[i]->answered = true;
         }
     }

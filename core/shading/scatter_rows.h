@@ -1,6 +1,8 @@
 // What the kernels of scatter_lanes.cpp read and write.
 #pragma once
 
+#include "shading/scatter_lanes.h"
+
 #include <cstddef>
 
 namespace rayleaf {
@@ -31,7 +33,14 @@ struct ScatterLanes {
     Row is_any, is_found, is_facets;
     Rows3 direction, value;
     Row density;
-    size_t count;
+    /// A light at each point, and what the lobes make of it; all zero where there is none.
+    struct Light {
+        Rows3 incoming, value;
+        Row density;
+    };
+    Rows3 light_side;
+    Light lights[kMostLights];
+    size_t count, light_count;
 };
 
 }  // namespace rayleaf

@@ -1,5 +1,6 @@
 // The surface points of many hits, over lanes. The local surface is found over lanes too on spline patches and on most
 // walls of bevelled curves, one by one on the others.
+#include "base/short_list.h"
 #include "geometry/patch_surface.h"
 #include "trace/surface_lanes.h"
 #include "trace/tracer_queries.h"
@@ -294,6 +295,36 @@ void Tracer::surface_points(std::span<const SurfaceQuery> queries, SurfaceDetail
         query.point->sight.reset();
         if (query.hit->local.subpatch_length > 0.0f)
             query.point->sight = implementation_->sight_from(*query.ray, *query.hit);
+    }
+}
+
+void Tracer::surface_points(std::span<const ElementQuery> queries) const {
+    struct Chosen {
+        Ray ray;
+        Hit hit;
+    };
+    constexpr size_t kMost = SurfaceBatch::kMost;
+    for (size_t first = 0; first < queries.size(); first += kMost) {
+        SurfaceBatch batch(*this, SurfaceDetail::Normal);
+        ShortList<Chosen, kMost> chosen;
+        ShortList<SurfaceQuery, kMost> hits;
+        for (const ElementQuery& query : queries.subspan(first, std::min(kMost, queries.size() - first))) {
+            const InstanceRecord& record = implementation_->records[query.instance];
+            if (record.motion) {
+                *query.point = surface_point(query.instance, query.hit, query.time);
+                continue;
+            }
+            Chosen& at = chosen.add();
+            at.ray.origin = at.ray.direction = Vec3d(0.0);
+            at.ray.time = query.time;
+            at.hit.instance = query.instance;
+            at.hit.local = query.hit;
+            at.hit.local.time = shutter_time(query.time);
+            at.hit.local = record.scene->on_facet(at.hit.local);
+            batch.add(hits.add(&at.ray, &at.hit, query.point), record);
+        }
+        batch.finish();
+        for (const SurfaceQuery& hit : hits) hit.point->sight.reset();
     }
 }
 

@@ -88,6 +88,14 @@ struct SurfaceQuery {
     SurfacePoint* point = nullptr;  ///< where to put it
 };
 
+/// A point chosen on an element of an instance, for emitting surfaces, whose surface point is wanted.
+struct ElementQuery {
+    uint32_t instance = 0;
+    LocalHit hit;
+    float time = kMiddleTime;       ///< of the shutter
+    SurfacePoint* point = nullptr;  ///< where to put it
+};
+
 class TracedShapeStore;  // trace/traced_shape_store.h
 
 class Tracer {
@@ -133,10 +141,11 @@ class Tracer {
     SurfacePoint surface_point(const Ray& ray, const Hit& hit, SurfaceDetail detail = SurfaceDetail::Curvature) const;
     /// The same for many hits at once: the same bits, in less time.
     void surface_points(std::span<const SurfaceQuery> queries, SurfaceDetail detail) const;
-    /// The same for a point chosen on an element of an instance, for emitting surfaces; `time` of the shutter. `t` is
-    /// 0.
+    /// The same for a point chosen on an element of an instance; `time` of the shutter. `t` is 0.
     SurfacePoint surface_point(uint32_t instance, const LocalHit& hit, float time = kMiddleTime) const;
-    /// The same, but for what only shading needs: place and facet alone.
+    /// The same for many; normals do not change around them.
+    void surface_points(std::span<const ElementQuery> queries) const;
+    /// As for one, but for what only shading needs: place and facet alone.
     SurfacePoint place(uint32_t instance, const LocalHit& hit, float time) const;
 
     const TracedInstance& instance(uint32_t index) const;
