@@ -27,6 +27,7 @@ void bind_strands(py::module_& module);
 void bind_subdivision(py::module_& module);
 void bind_trace(py::module_& module);
 void bind_splines(py::module_& module);
+void bind_vertex_normals(py::module_& module);
 void bind_volumes(py::module_& module);
 
 }  // namespace rayleaf

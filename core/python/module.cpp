@@ -46,6 +46,7 @@ PYBIND11_MODULE(_core, module) {
     rayleaf::bind_trace(module);
     rayleaf::bind_strands(module);
     rayleaf::bind_subdivision(module);
+    rayleaf::bind_vertex_normals(module);
     rayleaf::bind_volumes(module);
     rayleaf::bind_ri_tree(module);
     rayleaf::bind_splines(module);

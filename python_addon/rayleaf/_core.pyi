@@ -425,6 +425,11 @@ class SubdivisionSurface:
     def values(self, attribute: int, elements: Ints, parameters: Doubles) -> Floats:
         """(n, 4) of an attribute."""
 
+def vertex_normals(vertices: Floats, face_sizes: Ints, corners: Ints) -> Floats:
+    """(n, 3): unit normals of a polygon mesh's vertices (n, 3), as Blender has them: means of the faces around by the angles of
+    their corners. face_sizes (m,): corners of each face; corners: their vertices, face after face. The same bits for any number
+    of threads."""
+
 def displaced(shape: Any, program: Program, object: int = -1, world: int = -1) -> Any:
     """A spline or subdivision surface whose points are moved by the vectors in a program's registers (-1: none)."""
 

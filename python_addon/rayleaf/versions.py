@@ -38,18 +38,6 @@ def pass_name(name: str) -> str:
     return _FULL_PASS_NAMES.get(name, name) if bpy.app.version >= (5, 0, 0) else name
 
 
-def corner_normals(mesh: Any) -> Floats:
-    """(corners, 3): the normals that Blender shades with, sharp edges, flat faces and custom normals respected."""
-    normals = np.empty(len(mesh.loops) * 3, np.float32)
-    if hasattr(mesh, "corner_normals"):  # 4.1
-        mesh.corner_normals.foreach_get("vector", normals)
-    else:
-        mesh.calc_normals_split()
-        mesh.loops.foreach_get("normal", normals)
-        mesh.free_normals_split()
-    return normals.reshape(-1, 3)
-
-
 def uv_map(layer: Any, corners: int) -> Floats:
     """(corners, 2): the coordinates of a UV map."""
     values = np.empty(corners * 2, np.float32)

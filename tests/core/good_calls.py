@@ -112,6 +112,9 @@ CALLS: dict[str, Call] = {
     "BezierSpline": ctor(_core.BezierSpline, knots=np.zeros((2, 3, 3))),
     "BezierSpline.problem": method(lambda: _core.BezierSpline(np.zeros((2, 3, 3))), "problem"),
     "BezierSpline.to_bezier": method(lambda: _core.BezierSpline(np.zeros((2, 3, 3))), "to_bezier"),
+    "vertex_normals": ctor(
+        _core.vertex_normals, vertices=np.eye(3, dtype=np.float32), face_sizes=np.array([3]), corners=np.arange(3)
+    ),
     "implied_knots": ctor(_core.implied_knots, count=5, order=3),
     "CurveSplines": ctor(_core.CurveSplines, **SPLINES),
     "CurveSplines.__len__": method(splines, "__len__"),

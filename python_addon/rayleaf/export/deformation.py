@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .. import versions
 from . import points, strands, subdivision, surfaces
+from .corner_normals import corner_normals
 from .strand_arrays import StrandArrays
 
 # Points that move along lines, up to this share of the size of all, need no steps between the first and the last.
@@ -118,7 +119,7 @@ def _mesh_form(mesh: Any) -> Form:
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
     topology = (len(mesh.polygons), len(corners), hash(corners.tobytes()))
-    return Form(vertices.reshape(-1, 3), versions.corner_normals(mesh), topology)
+    return Form(vertices.reshape(-1, 3), corner_normals(mesh), topology)
 
 
 def _with_radii(arrays: StrandArrays | None) -> Form | None:

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import versions
 from .attributes import ACTIVE_UV, Corners, attribute_values
+from .corner_normals import corner_normals
 from .deformation import Deformation
 
 Floats = NDArray[np.float32]
@@ -33,12 +33,14 @@ def _get(collection: Any, name: str, dtype: Any, count: int) -> Any:
     return values
 
 
-def _corner_normals(mesh: Any, loops: Ints, polygons: Ints) -> Floats | None:
+def _corner_normals(mesh: Any, triangles: Ints, loops: Ints, polygons: Ints) -> Floats | None:
     """(m, 3, 3), or None where every face is flat."""
     smooth = _get(mesh.polygons, "use_smooth", bool, len(mesh.polygons))
     if not smooth.any() and not mesh.has_custom_normals:
         return None
-    normals = versions.corner_normals(mesh)[loops]
+    vertices = np.zeros(len(mesh.loops), np.int32)
+    vertices[loops] = triangles  # faster than to ask Blender, and each corner is of some triangle
+    normals = corner_normals(mesh, vertices)[loops]
     # A corner without a normal (a face of no area) takes its facet's; the core wants unit vectors.
     lengths = np.linalg.norm(normals, axis=2, keepdims=True)
     bad = ~(np.isfinite(lengths) & (lengths > 0.0))
@@ -72,7 +74,7 @@ def mesh_arrays(mesh: Any, wanted: frozenset[str], deformation: Deformation | No
     arrays = MeshArrays(
         vertices=_get(mesh.vertices, "co", np.float32, len(mesh.vertices) * 3).reshape(-1, 3),
         triangles=triangles,
-        corner_normals=_corner_normals(mesh, loops, polygons),
+        corner_normals=_corner_normals(mesh, triangles, loops, polygons),
         material_slots=slots if slots.any() else None,
     )
     if deformation is not None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .. import versions
 from ..names import find, name_of
 from .attributes import ACTIVE_UV, Corners, attribute_values
+from .corner_normals import corner_normals
 from .mesh_derived import REST_PLACE, rest_moves
 
 Floats = NDArray[np.float32]
@@ -104,7 +105,7 @@ def cage_arrays(mesh_object: Any, depsgraph: Any, wanted: frozenset[str]) -> Cag
 
 def polygon_arrays(mesh: Any, wanted: frozenset[str]) -> CageArrays | None:
     """A mesh as a cage that is its own limit, with the normals that it is shaded with; None without faces."""
-    options = {"scheme": "BILINEAR", "uv_smoothing": "NONE", "corner_normals": versions.corner_normals(mesh)}
+    options = {"scheme": "BILINEAR", "uv_smoothing": "NONE", "corner_normals": corner_normals(mesh)}
     return _arrays_of(mesh, wanted, options)
 
 
