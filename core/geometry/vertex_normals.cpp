@@ -13,7 +13,7 @@ namespace {
 /// Integers per unit of a sum. A vertex may have some million faces.
 constexpr double kUnits = 0x1p40;
 
-/// Twice the area along the unit normal, by Newell's method: of the polygon as it is seen from each side.
+/// Along the normal of a polygon, which need not be flat, and as long as twice its area: Newell's method.
 Vec3d area_of(std::span<const Vec3f> vertices, std::span<const int32_t> face) {
     const Vec3d origin(vertices[static_cast<size_t>(face.front())]);
     Vec3d sum(0.0), last = Vec3d(vertices[static_cast<size_t>(face.back())]) - origin;

@@ -9,9 +9,9 @@
 
 namespace rayleaf {
 
-/// Unit; the mean of the faces around a vertex by the angles of their corners there, as Blender has it; of a vertex
-/// without faces of any area along its place, zero at the origin. `corners`: of the faces, one after the other, the
-/// vertices.
+/// Unit: the mean of the normals of the faces around each vertex, weighed by the angles of their corners there, as in
+/// Blender. A vertex without such faces gets the direction from the origin to it; at the origin, zero. Faces without an
+/// area, and those with a vertex that is not finite, do not count. `corners`: the faces' vertices, face after face.
 ///
 /// Blender before 4.1 adds up in the order in which its threads come, so its own differ between renders in the last
 /// digits. These are sums of integers, which any order leaves the same.

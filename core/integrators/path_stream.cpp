@@ -24,7 +24,7 @@ void put(T& place, const Make& make) {
 
 /// Vertices that are lit and left together: as many as fill the lanes of vectors, and few enough that the nearest cache
 /// holds them.
-constexpr size_t kMostFromHere = 16;
+constexpr size_t kMostGoingOn = 16;
 
 template <typename T, typename Visit>
 void for_each_packet(std::span<T> all, const Visit& visit) {
@@ -39,7 +39,7 @@ PathStream::PathStream(const Scene& scene, const PathSettings& settings, size_t 
       cancel_(cancel),
       vertices_(kMostPoints),
       inputs_(kMostPoints),
-      scatter_queries_(kMostFromHere) {
+      scatter_queries_(kMostGoingOn) {
     paths_.reserve(most);
     light_rays_.reserve(most);
 }
@@ -160,7 +160,7 @@ void PathStream::shade(const Program& program, std::span<const uint32_t> all) {
             numbers[i] = PathTracer::numbers(pairs, i * PathTracer::kPairsOfVertex);
             paths_[paths[i]].simplify(vertices_[i].closures);
         }
-        for_each_part(paths, kMostFromHere, [&](std::span<const uint32_t> part) {
+        for_each_part(paths, kMostGoingOn, [&](std::span<const uint32_t> part) {
             const auto i = static_cast<size_t>(part.data() - paths.data());
             go_on(part, {vertices_.data() + i, part.size()}, {numbers.data() + i, part.size()});
         });

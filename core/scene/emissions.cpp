@@ -6,6 +6,8 @@
 
 namespace rayleaf {
 
+static_assert(kMostTogether == EmissionRuns::kMost);
+
 void EmissionRuns::run() const {
     const std::span<const Point> points = points_.all();
     uint64_t open = (uint64_t{1} << points.size()) - 1;
