@@ -66,7 +66,7 @@ struct Branch {
     bool shows_features = true;              ///< for denoisers: by way of mirrors and clear glass alone
 
     /// How bright the ray is for one of its kind.
-    float importance() const { return max_component(throughput) / share; }
+    float importance() const { return max_abs(throughput) / share; }
     float random(PathDimension purpose) const { return sampler.get1(dimension(vertex, purpose)); }
 
     /// The ray that `sample`, drawn from `closures`, makes of this one, one of `count`; with nothing said of its

@@ -37,7 +37,7 @@ void DistributionTracer::add_scattered_light(const Branch& branch, const MediumS
 bool DistributionTracer::pass_media(Branch& branch, double end) {
     const SeenRay seen(branch.ray, branch.vertex);
     const MediumSegment segment{scene_, branch.media, seen.ray, end - seen.from, branch.bounces.at(0)};
-    const bool scatters = !branch.bounces.is_last();
+    const bool scatters = !branch.bounces.is_last() && branch.media.scatters();
     RandomStream random(branch.sampler, dimension(branch.vertex, PathDimension::MediumWalk));
     MediumPassage passage;
     if (scatters) {

@@ -5,17 +5,19 @@
 namespace rayleaf {
 
 BoundWalk::BoundWalk(const MediumSegment& segment) {
+    const BoundDetail detail = segment.state.depth == 0 ? BoundDetail::Pieces : BoundDetail::Cells;
     const SceneMedia& media = segment.scene.media();
     for (const SceneMedium* medium : segment.media.all()) {
         if (medium->grid) {
             const Affine3d map = media.to_grid(*medium);
             const GridLine line(map.point(segment.ray.origin), map.vector(segment.ray.direction));
-            walks_[count_++].emplace(*medium->grid, line);
+            walks_[count_++].emplace(*medium->grid, line, detail);
             continue;
         }
         Closures closures;
         media.evaluate(*medium, segment.ray.origin, segment.outgoing(), segment.state, closures);
         even_.majorant += max_component(closures.medium.extinction);
+        even_.limit = even_.majorant;
         even_.mean += closures.medium.extinction;
         const Color& extinction = closures.medium.extinction;
         if (closures.medium.scatters()) even_.certain += std::min({extinction.x, extinction.y, extinction.z});
@@ -64,6 +66,7 @@ void SegmentBounds::append(const DensityBounds& bounds, double begin, double end
         // The last stands for all that is left.
         Piece& last = pieces_[kMost - 1];
         last.bounds.majorant = std::max(last.bounds.majorant, bounds.majorant);
+        last.bounds.limit = std::max(last.bounds.limit, bounds.limit);
         last.bounds.residual = last.bounds.majorant;
         last.bounds.certain = 0.0f;
         if (std::isfinite(end) && end > last.begin)
@@ -73,16 +76,17 @@ void SegmentBounds::append(const DensityBounds& bounds, double begin, double end
 }
 
 size_t SegmentBounds::piece_of(double t) const {
-    const auto after = std::upper_bound(pieces_.begin(), pieces_.begin() + static_cast<std::ptrdiff_t>(count_), t,
-                                        [](double at, const Piece& piece) { return at < piece.begin; });
-    return static_cast<size_t>(std::max<std::ptrdiff_t>(after - pieces_.begin() - 1, 0));
+    const auto pieces = std::span(pieces_.data(), count_);
+    const auto after = std::ranges::upper_bound(pieces, t, {}, &Piece::begin);
+    return static_cast<size_t>(std::max<std::ptrdiff_t>(after - pieces.begin() - 1, 0));
 }
 
 double SegmentBounds::sample(float random) const {
     const double depth = -std::log1p(static_cast<double>(random) * std::expm1(-depth_));
-    for (size_t i = count_; i-- > 0;)
-        if (pieces_[i].extinction > 0.0 && depth >= pieces_[i].depth)
-            return pieces_[i].begin + (depth - pieces_[i].depth) / pieces_[i].extinction;
+    const auto pieces = std::span(pieces_.data(), count_);
+    auto piece = std::ranges::upper_bound(pieces, depth, {}, &Piece::depth);
+    while (piece != pieces.begin())
+        if ((--piece)->extinction > 0.0) return piece->begin + (depth - piece->depth) / piece->extinction;
     return end_;
 }
 

@@ -9,6 +9,7 @@ namespace rayleaf {
 /// From the origin on; within a piece the bounds stay. Finds only what is asked for.
 class BoundWalk {
   public:
+    /// Camera rays see the detail of cells: their light has most of the noise, and later rays it would slow down more.
     explicit BoundWalk(const MediumSegment& segment);
 
     const DensityBounds& bounds() const { return is_alone_ ? walks_[0]->bounds() : bounds_; }
@@ -57,7 +58,7 @@ class SegmentBounds {
         double begin, extinction, depth;  ///< optical depth up to its begin
         DensityBounds bounds;
     };
-    static constexpr size_t kMost = 128;
+    static constexpr size_t kMost = 256;
     std::array<Piece, kMost> pieces_;
     size_t count_ = 0;
     double end_, depth_ = 0;

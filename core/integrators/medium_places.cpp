@@ -133,7 +133,7 @@ std::optional<LitPlace> place_of_light(const MediumSegment& segment, const Segme
     }
     const auto chosen = chosen_place(segment, bounds, passed, place.x);
     if (!chosen) return std::nullopt;
-    const MediumClosures medium = limited(segment.at(chosen->first), bounds.at(chosen->first).majorant).medium;
+    const MediumClosures medium = limited(segment.at(chosen->first), bounds.at(chosen->first).limit).medium;
     if (!medium.scatters()) return std::nullopt;
     const MediumSegment up_to{segment.scene, segment.media, segment.ray, chosen->first, segment.state};
     return LitPlace{chosen->first, transmittance(up_to, bounds, random) / static_cast<float>(chosen->second), medium};

@@ -38,6 +38,10 @@ bool MediumStack::emits() const {
     return std::ranges::any_of(all(), [](const SceneMedium* medium) { return medium->program->emits(); });
 }
 
+bool MediumStack::scatters() const {
+    return std::ranges::any_of(all(), [](const SceneMedium* medium) { return medium->program->scatters(); });
+}
+
 MediumStack media_around(const Scene& scene, const Vec3d& position, float time) {
     MediumStack media;
     if (const SceneMedium* world = scene.media().world()) media.enter(world);

@@ -21,8 +21,9 @@ class MediumStack {
     void leave(const SceneMedium* medium);
     /// Whether any varies from place to place.
     bool varies() const;
-    /// Whether any may emit light.
+    /// Whether any may emit light, or scatter it.
     bool emits() const;
+    bool scatters() const;
 
   private:
     size_t count_ = 0;

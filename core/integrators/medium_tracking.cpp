@@ -107,7 +107,7 @@ MediumPassage pass_dimmed(const MediumSegment& segment, RandomStream& random) {
     const auto passed = [](const DensityBounds&, double, double) { return true; };
     track(BoundWalk(segment), segment.end, random.next(), random, rate, passed,
           [&](double t, const DensityBounds& bounds) {
-              const Closures closures = limited(segment.at(t), bounds.majorant);
+              const Closures closures = limited(segment.at(t), bounds.limit);
               passage.emission += passage.weight * closures.emission / bounds.majorant;
               passage.weight *= (Color(bounds.majorant) - closures.medium.extinction) / bounds.majorant;
               return stays(passage.weight, random);
@@ -149,7 +149,7 @@ class VaryingPassage {
             return true;
         }
         const double t = from + depth_left_ / certain;
-        const Closures closures = limited(segment_.at(t), bounds.majorant);
+        const Closures closures = limited(segment_.at(t), bounds.limit);
         emit(closures, bounds);
         // Where there is less than was certain, that decides.
         const Color& extinction = closures.medium.extinction;
@@ -159,7 +159,7 @@ class VaryingPassage {
     }
     /// A tentative collision; false where it is one.
     bool meets(double t, const DensityBounds& bounds) {
-        const Closures closures = limited(segment_.at(t), bounds.majorant);
+        const Closures closures = limited(segment_.at(t), bounds.limit);
         emit(closures, bounds);
         const float rate = bounds.majorant - bounds.certain;
         const Color& extinction = closures.medium.extinction;
@@ -172,7 +172,9 @@ class VaryingPassage {
         for (int c = 0; c < 3; ++c) more[c] = std::max(extinction[c] - bounds.certain, 0.0f);
         const Color shares = shares_of(throughput_ * passage_.weight);
         const float real = shares.dot(more);
-        const float probability = real > 0.0f ? real / (real + shares.dot(null)) : 0.0f;
+        // Where it is denser than its bound, there is less than nothing of the null collision.
+        const float other = std::abs(shares.dot(null));
+        const float probability = real > 0.0f ? real / (real + other) : 0.0f;
         depth_left_ -= depth_of(probability);
         if (!(depth_left_ < 0.0)) {
             passage_.weight *= null / (rate * (1.0f - probability));
@@ -204,7 +206,7 @@ Color tracked_transmittance(const MediumSegment& segment, const Walk& walk, Rand
         return true;
     };
     track(walk, segment.end, random.next(), random, rate, passed, [&](double t, const DensityBounds& bounds) {
-        const Color extinction = limited(segment.at(t), bounds.majorant).medium.extinction;
+        const Color extinction = limited(segment.at(t), bounds.limit).medium.extinction;
         residual *= Color(1.0f) - (extinction - bounds.mean) / bounds.residual;
         // What is left decides, of all that dims it.
         Color left = residual * exponential(depth, 1.0);

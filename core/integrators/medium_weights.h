@@ -30,12 +30,12 @@ inline int channel_of(const Color& shares, float random) {
     return random < shares.x + shares.y || !(shares.z > 0.0f) ? 1 : 2;
 }
 
-/// What is denser than its bound is as dense as that: else few paths would carry most of the light.
-inline Closures limited(Closures closures, float majorant) {
+/// What is denser than the limit is as dense as that: else few paths would carry most of the light.
+inline Closures limited(Closures closures, float limit) {
     MediumClosures& medium = closures.medium;
     const float largest = max_component(medium.extinction);
-    if (!(largest > majorant)) return closures;
-    const float factor = majorant / largest;
+    if (!(largest > limit)) return closures;
+    const float factor = limit / largest;
     medium.extinction *= factor;
     for (int i = 0; i < medium.count; ++i) medium.phases[static_cast<size_t>(i)].scattering *= factor;
     return closures;

@@ -14,7 +14,7 @@ Color PathTracer::free_of_media(double t) const {
 bool PathTracer::pass_media(double end, std::vector<LightRay>& light_rays) {
     const SeenRay seen(ray_, vertex_);
     const MediumSegment segment{scene_, media_, seen.ray, end - seen.from, bounces_.at(0)};
-    const bool scatters = !bounces_.is_last();
+    const bool scatters = !bounces_.is_last() && media_.scatters();
     RandomStream random(sampler_, dimension(vertex_, PathDimension::MediumWalk));
     MediumPassage passage;
     if (scatters) {

@@ -355,7 +355,7 @@ bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry, st
         leave_below(scene_, {vertex, entry, bounces_.at(0), sampler_, dimension(vertex_, PathDimension::Walk)});
     if (!exit) return false;
     throughput_ *= exit->throughput;
-    if (!(max_component(throughput_) > 0.0f) || !is_finite(throughput_)) return false;
+    if (!(max_abs(throughput_) > 0.0f) || !is_finite(throughput_)) return false;
     ++vertex_;
     std::vector<LightQuery> lights;
     want_lights(exit->vertex, random2(PathDimension::Light), lights);
@@ -365,7 +365,7 @@ bool PathTracer::scatter_below(const Vertex& vertex, const LobeSample& entry, st
 }
 
 bool PathTracer::survives_roulette() {
-    const float largest = max_component(throughput_);
+    const float largest = max_abs(throughput_);
     if (!(largest > 0.0f) || !is_finite(throughput_)) return false;
     if (bounces_.count() <= settings_.roulette_start) return true;
     // By the root: what survives by the throughput itself is so bright that clamping takes it away.

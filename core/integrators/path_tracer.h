@@ -175,7 +175,7 @@ class alignas(64) PathTracer {  // begins with a line of the cache
         result.time = ray.time;
         return result;
     }
-    float importance() const { return max_component(throughput_); }
+    float importance() const { return max_abs(throughput_); }
     RayWidening widening() const { return settings_.widening(importance(), bounces_.count() > 0); }
     void take_hit(ClosestHit& found);
     Arrival arrive_alone(ClosestHit& found);

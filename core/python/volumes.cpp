@@ -2,6 +2,7 @@
 #include "geometry/volume_grids.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "scene/cell_detail.h"
 
 #include <map>
 
@@ -72,9 +73,42 @@ py::array_t<float> values_at(const VoxelGrid& grid, const Array<double>& points)
     return values;
 }
 
-std::pair<std::array<double, 3>, std::array<double, 3>> bounds_of(const VoxelGrid& grid) {
+std::pair<std::array<double, 3>, std::array<double, 3>> ends_of(const VoxelGrid& grid) {
     const Box3d box = grid.bounds();
     return {{box.min.x, box.min.y, box.min.z}, {box.max.x, box.max.y, box.max.z}};
+}
+
+/// None where the cell has no detail.
+py::object densities_along(const Array<float>& densities, const Array<double>& begin, const Array<double>& step) {
+    check_shape("cell", "densities", densities, {CellDetail::kPoints});
+    check_shape("cell", "begin", begin, {3});
+    check_shape("cell", "step", step, {3});
+    std::array<FoundDensity, CellDetail::kPoints> found;
+    for (size_t i = 0; i < found.size(); ++i) {
+        const float density = densities.data()[i];
+        if (!(density >= 0.0f))
+            throw InputError("cell", "densities", number_text(density), "numbers that are not negative");
+        found[i] = {Color(density), 0.0f, true};
+    }
+    const DensityBounds cell = bounds_of(found, found, 1.0f);
+    const CellDetail detail(found, cell);
+    if (detail.is_none()) return py::none();
+    PiecesOfCell pieces;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        pieces.begin[axis] = static_cast<float>(begin.data()[axis]);
+        pieces.step[axis] = static_cast<float>(step.data()[axis]);
+    }
+    detail.look_up(pieces);
+    py::array_t<float> rows({static_cast<py::ssize_t>(kMostPieces), py::ssize_t{4}});
+    for (size_t i = 0; i < kMostPieces; ++i) {
+        const DensityBounds bounds = detail.bounds(cell, pieces.shares[i]);
+        float* row = rows.mutable_data(static_cast<py::ssize_t>(i));
+        row[0] = bounds.mean.x;
+        row[1] = bounds.majorant;
+        row[2] = bounds.certain;
+        row[3] = bounds.residual;
+    }
+    return rows;
 }
 
 }  // namespace
@@ -85,11 +119,12 @@ void bind_volumes(py::module_& module) {
         .def(py::init(&make_dense), "object"_a, "name"_a, "values"_a, "to_object"_a, "least"_a = 0.0f,
              "mixing"_a = "TRILINEAR")
         .def("values", &values_at, "points"_a)
-        .def("bounds", &bounds_of)
+        .def("bounds", &ends_of)
         .def_property_readonly("bad_numbers", &VoxelGrid::bad_numbers)
         .def_property_readonly("bytes", &VoxelGrid::bytes);
     module.def("read_vdb", &read_file, "object"_a, "path"_a, "names"_a, "value_place"_a = "MIDDLE",
                "mixing"_a = "TRILINEAR", "least"_a = 0.0f);
+    module.def("densities_along", &densities_along, "densities"_a, "begin"_a, "step"_a);
     module.def("volume", &make_volume, "name"_a, "grids"_a, "density_unit"_a = "WORLD", "body"_a = "BLOCKS");
 }
 

@@ -10,10 +10,9 @@
 namespace rayleaf {
 namespace {
 
-/// Probes of a cell: the first go through the ranges step by step.
-constexpr int kProbesOfCell = static_cast<int>(kMostPoints), kRangeSteps = 8;
-/// Places of a cell for its mean.
-constexpr int kShownOfCell = 8;
+/// The first probes of a cell go through the ranges step by step.
+constexpr int kRangeSteps = 8;
+static_assert(CellDetail::kPoints % kMostPoints == 0);
 /// Ends of so many grids are tried in all combinations.
 constexpr int kCombined = 4;
 constexpr int kCombinations = 1 << kCombined;
@@ -58,14 +57,15 @@ class GridBounds {
     size_t count() const { return static_cast<size_t>(cells_) * cells_ * cells_; }
     bool is_held(size_t cell) const { return held_[cell] != 0; }
 
-    /// With what the grids do hold.
-    GridProbe shown(size_t cell, int number) const {
-        const auto place = static_cast<int>(cell);
-        const Vec3i first(place % cells_, place / cells_ % cells_, place / (cells_ * cells_));
-        return {box_.min + box_.size() * (Vec3d(first) + place_in_cell(number)) / static_cast<double>(cells_), {}};
+    /// At one of CellDetail's points, with what the grids do hold.
+    GridProbe shown(size_t cell, size_t point) const {
+        constexpr int kSide = CellDetail::kSide;
+        const auto number = static_cast<int>(point);
+        const Vec3i place(number % kSide, number / kSide % kSide, number / (kSide * kSide));
+        return at(cell, Vec3d(place) / CellDetail::kSteps);
     }
     GridProbe probe(size_t cell, int number) const {
-        GridProbe probe = shown(cell, number);
+        GridProbe probe = at(cell, place_in_cell(number));
         for (size_t i = 0; i < ids_.size(); ++i) {
             const VoxelRange& range = ranges_[i][cell];
             const float share = share_of_range(number, static_cast<int>(i));
@@ -81,25 +81,36 @@ class GridBounds {
     std::vector<uint8_t> held_;
     std::vector<AttributeId> ids_;
     std::vector<std::vector<VoxelRange>> ranges_;  ///< by grid, then by cell
+
+    /// `place`: in the cell, 0 to 1.
+    GridProbe at(size_t cell, const Vec3d& place) const {
+        const auto number = static_cast<int>(cell);
+        const Vec3i first(number % cells_, number / cells_ % cells_, number / (cells_ * cells_));
+        return {box_.min + box_.size() * (Vec3d(first) + place) / static_cast<double>(cells_), {}};
+    }
 };
 
 }  // namespace
 
-std::vector<DensityBounds> grid_majorants(const VolumeGrids& grids, std::span<const AttributeId> read, const Box3d& box,
-                                          int cells, const ProbeLookup& lookup, const CancelToken& cancel) {
+BoundedCells grid_majorants(const VolumeGrids& grids, std::span<const AttributeId> read, const Box3d& box, int cells,
+                            const ProbeLookup& lookup, const CancelToken& cancel) {
     const GridBounds bounds(grids, read, box, cells);
-    std::vector<DensityBounds> all(bounds.count(), DensityBounds::none());
-    tbb::parallel_for(size_t{0}, all.size(), [&](size_t cell) {
+    BoundedCells all{std::vector<DensityBounds>(bounds.count(), DensityBounds::none()),
+                     std::vector<CellDetail>(bounds.count())};
+    tbb::parallel_for(size_t{0}, bounds.count(), [&](size_t cell) {
         if (!bounds.is_held(cell)) return;
         cancel.throw_if_cancelled();
-        std::array<GridProbe, kProbesOfCell> probes;
-        for (int i = 0; i < kProbesOfCell; ++i) probes[static_cast<size_t>(i)] = bounds.probe(cell, i);
-        std::array<GridProbe, kShownOfCell> shown;
-        for (int i = 0; i < kShownOfCell; ++i) shown[static_cast<size_t>(i)] = bounds.shown(cell, i);
-        std::array<FoundDensity, kProbesOfCell + kShownOfCell> found;
+        std::array<GridProbe, kMostPoints> probes;
+        std::array<FoundDensity, kMostPoints + CellDetail::kPoints> found;
+        const std::span<FoundDensity, CellDetail::kPoints> shown = std::span(found).last<CellDetail::kPoints>();
+        for (size_t i = 0; i < kMostPoints; ++i) probes[i] = bounds.probe(cell, static_cast<int>(i));
         lookup(probes, found.data());
-        lookup(shown, found.data() + kProbesOfCell);
-        all[cell] = bounds_of(found, std::span(found).last<kShownOfCell>(), kProbeReserve);
+        for (size_t first = 0; first < CellDetail::kPoints; first += kMostPoints) {
+            for (size_t i = 0; i < kMostPoints; ++i) probes[i] = bounds.shown(cell, first + i);
+            lookup(probes, shown.data() + first);
+        }
+        all.bounds[cell] = bounds_of(found, shown, kProbeReserve);
+        all.details[cell] = CellDetail(shown, all.bounds[cell]);
     });
     return all;
 }

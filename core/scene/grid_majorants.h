@@ -28,7 +28,7 @@ using ProbeLookup = std::function<void(std::span<const GridProbe> probes, FoundD
 
 /// For a lattice of `cells`³ over `box`, x fastest. `read`: the grids that the program reads. 0 where nothing is held.
 /// Throws Cancelled soon after `cancel` says so.
-std::vector<DensityBounds> grid_majorants(const VolumeGrids& grids, std::span<const AttributeId> read, const Box3d& box,
-                                          int cells, const ProbeLookup& lookup, const CancelToken& cancel);
+BoundedCells grid_majorants(const VolumeGrids& grids, std::span<const AttributeId> read, const Box3d& box, int cells,
+                            const ProbeLookup& lookup, const CancelToken& cancel);
 
 }  // namespace rayleaf

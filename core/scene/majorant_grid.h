@@ -1,12 +1,11 @@
-// How dense a medium that varies is, cell by cell: at most, on average, and how far from that. Null collisions go by
-// the first (Woodcock et al. 1965), estimates of transmittance by the others (Novak et al. 2014).
-//
-// It is looked up at points of a lattice, with some reserve. Where a medium is denser between them, it is rendered as
-// dense as its bound (integrators/medium_tracking.cpp).
+// How dense a medium that varies is, cell by cell and piece by piece of a ray: at most, on average, and how far from
+// that. Null collisions go by the first (Woodcock et al. 1965), estimates of transmittance by the others (Novak et al.
+// 2014).
 #pragma once
 
 #include "base/cancel.h"
 #include "base/vector.h"
+#include "scene/cell_detail.h"
 
 #include <algorithm>
 #include <array>
@@ -18,26 +17,19 @@
 
 namespace rayleaf {
 
-/// What is found at a point.
-struct FoundDensity {
-    Color extinction{0, 0, 0};  ///< per world unit
-    float lookups = 0;          ///< per world unit, at least: 0 but where there is nothing but light
-    bool scatters = false;
+/// The cells of a lattice over a box, x fastest.
+struct BoundedCells {
+    std::vector<DensityBounds> bounds;
+    std::vector<CellDetail> details;
 };
 
-/// Of a cell, per world unit. Not initialized: rays hold many.
-struct DensityBounds {
-    float majorant;  ///< extinction of the densest channel, at most
-    float certain;   ///< of the thinnest, hardly ever less; 0 where it may not scatter
-    float residual;  ///< how far the extinction of any channel is from `mean`, at most
-    Color mean;      ///< extinction
+/// At points of an object's space; up to kMostPoints at once (shading/program.h).
+using DensityLookup = std::function<void(std::span<const Vec3d> points, FoundDensity* found)>;
 
-    static DensityBounds none() { return {0.0f, 0.0f, 0.0f, Color(0.0f)}; }
-    DensityBounds& operator+=(const DensityBounds& other);
-};
-
-/// Of points that stand for a cell: `shown` for its mean, and `reserve` > 1 for what lies between all of them.
-DensityBounds bounds_of(std::span<const FoundDensity> all, std::span<const FoundDensity> shown, float reserve);
+/// `cells` along each side of `box`, by what is found at points of them, with some reserve. Where a medium is denser
+/// between them, it is rendered as dense as its bound (integrators/medium_tracking.cpp). Throws Cancelled soon after
+/// `cancel` says so.
+BoundedCells looked_up_cells(const Box3d& box, int cells, const DensityLookup& lookup, const CancelToken& cancel);
 
 /// A ray in a grid's space.
 struct GridLine {
@@ -49,37 +41,32 @@ struct GridLine {
 
 class MajorantGrid {
   public:
-    /// At points of the grid's own space; up to kMostPoints at once (shading/program.h).
-    using Lookup = std::function<void(std::span<const Vec3d> points, FoundDensity* found)>;
-
-    /// `cells` along each side of `box`. Throws Cancelled soon after `cancel` says so.
-    MajorantGrid(const Box3d& box, int cells, const Lookup& lookup, const CancelToken& cancel);
-
-    /// Of bounds that are known, x fastest.
-    MajorantGrid(const Box3d& box, int cells, std::vector<DensityBounds> bounds);
-
-    size_t bytes() const { return bounds_.capacity() * sizeof(DensityBounds); }
+    /// `cells` along each side of `box`.
+    MajorantGrid(const Box3d& box, int cells, BoundedCells bounded);
 
   private:
     friend class GridWalk;
 
-    MajorantGrid(const Box3d& box, int cells);
-    void note_largest();
-
     Box3d box_;
     int cells_;
-    Vec3d width_, per_width_;                        ///< of a cell; the reciprocal, 0 along sides without length
-    std::vector<DensityBounds> bounds_;              ///< x fastest
+    Vec3d width_, per_width_;  ///< of a cell; the reciprocal, 0 along sides without length
+    BoundedCells bounded_;
     DensityBounds largest_ = DensityBounds::none();  ///< what holds everywhere
 };
 
-/// The cells along a ray, from its origin, one after the other. Beyond the box: as dense as anywhere, for ever.
+/// Which parts of a ray have bounds of their own.
+enum class BoundDetail : uint8_t {
+    Cells,
+    Pieces,  ///< of cells, where these have detail
+};
+
+/// The parts of a ray, from its origin, one after the other. Beyond the box: as dense as anywhere, for ever.
 class GridWalk {
   public:
     GridWalk() = default;
-    GridWalk(const MajorantGrid& grid, const GridLine& line);
+    GridWalk(const MajorantGrid& grid, const GridLine& line, BoundDetail detail);
 
-    const DensityBounds& bounds() const { return *bounds_; }
+    const DensityBounds& bounds() const { return bounds_; }
     double end() const { return end_; }  ///< how far along the ray they hold
     void advance();
 
@@ -88,18 +75,32 @@ class GridWalk {
     struct Axis {
         double base = 0, step = 0;
         double border = std::numeric_limits<double>::infinity();  ///< where the walk leaves its cell
+        int cell = 0;
         int next = 0, last = 0;  ///< number of that border; of the last inside the grid, in the walk's direction
         int turn = 1;            ///< to the next
         std::ptrdiff_t stride = 0;
 
         void find_border() { border = std::max(base + step * next, 0.0); }
     };
+    /// Of the cell, if it has any.
+    struct Pieces {
+        int passed = 0, count = 0;
+        double begin = 0, length = 0;  ///< of the first
+        PiecesOfCell all;
+    };
     std::array<Axis, 3> axes_;
-    const DensityBounds* bounds_ = nullptr;
-    const DensityBounds* beyond_ = nullptr;
-    double end_ = std::numeric_limits<double>::infinity();
+    const MajorantGrid* grid_ = nullptr;
+    BoundDetail detail_ = BoundDetail::Cells;
+    size_t cell_ = 0;
+    double cell_end_ = std::numeric_limits<double>::infinity(), end_ = cell_end_;
+    double pieces_per_length_ = 0;
+    Vec3d origin_{0.0}, direction_{0.0};  ///< in steps of CellDetail, from the grid's corner
+    Pieces pieces_;
+    DensityBounds bounds_ = DensityBounds::none();
 
-    void find_end() { end_ = std::min({axes_[0].border, axes_[1].border, axes_[2].border}); }
+    /// At `t`.
+    void enter_cell(double t);
+    void enter_piece();
 };
 
 }  // namespace rayleaf

@@ -6,7 +6,7 @@ namespace rayleaf {
 namespace {
 
 /// Cells along a side of the box of a medium that varies, and cells of all of them together.
-constexpr int kMostOccupiedCells = 24, kMostGridCells = 32;
+constexpr int kMostCellsOfSide = 24;
 constexpr double kMostCellsInAll = 1 << 18;
 
 /// Lookups across the box of what emits where there is nothing else: fire without smoke.
@@ -63,9 +63,8 @@ void SceneMedia::commit(const CancelToken& cancel) {
     const double each = kMostCellsInAll / static_cast<double>(std::max<size_t>(varying, 1));
     const int cells = static_cast<int>(std::cbrt(each));
     for (auto& [key, medium] : all_)
-        if (varies(medium))
-            bound(medium, std::clamp(cells, 1, medium.voxels != nullptr ? kMostGridCells : kMostOccupiedCells), cancel);
-    if (world_.program && world_.program->varies_in_space()) bound(world_, kMostOccupiedCells, cancel);
+        if (varies(medium)) bound(medium, std::clamp(cells, 1, kMostCellsOfSide), cancel);
+    if (world_.program && world_.program->varies_in_space()) bound(world_, kMostCellsOfSide, cancel);
 }
 
 void SceneMedia::note_if_even(SceneMedium& medium) const {
@@ -98,7 +97,7 @@ void SceneMedia::bound(SceneMedium& medium, int cells, const CancelToken& cancel
         for (size_t i = 0; i < points.size(); ++i) probes[i].point = points[i];
         probed({probes.data(), points.size()}, found);
     };
-    medium.grid = std::make_unique<const MajorantGrid>(box, cells, at_points, cancel);
+    medium.grid = std::make_unique<const MajorantGrid>(box, cells, looked_up_cells(box, cells, at_points, cancel));
 }
 
 const SceneMedium* SceneMedia::find(uint32_t instance, const Material& material) const {

@@ -273,7 +273,11 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
             transparent_ |= operands[17] >= 0 && !surely(17, 1.0f);
             transparent_ |= operands.size() > 30 && operands[30] >= 0 && !surely(30, 0.0f) && !surely(19, 0.0f);
             break;
+        case Operation::volume_scatter:
+            scatters_ = true;
+            break;
         case Operation::volume_principled:
+            scatters_ = true;
             emits_ |= (!surely(5, 0.0f) && !surely(6, 0.0f)) || !surely(7, 0.0f);
             break;
         default:

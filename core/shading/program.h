@@ -64,6 +64,8 @@ class Program {
 
     /// What the program may do: a scene spends time only on what it uses.
     bool emits() const { return emits_; }
+    /// As a medium.
+    bool scatters() const { return scatters_; }
     bool may_be_transparent() const { return transparent_; }
     /// True if the result does not depend on the hit: a constant background, a plain lamp colour.
     bool is_constant() const { return constant_; }
@@ -155,7 +157,7 @@ class Program {
     std::vector<float> floats_;
     std::vector<Vec4f> registers_;  ///< initial contents
     std::vector<int32_t> origins_;  ///< per register: the instruction that writes it, or kConstant
-    bool emits_ = false, transparent_ = false, constant_ = true;
+    bool emits_ = false, scatters_ = false, transparent_ = false, constant_ = true;
     bool reads_inputs_ = false, reads_uv_ = false, reads_element_ = false, reads_generated_ = false;
     bool varies_in_space_ = false;
     bool reads_pixels_ = false;  ///< wireframe in pixels

@@ -372,6 +372,12 @@ class VoxelGrid:
     def bounds(self) -> tuple[list[float], list[float]]:
         """Of the blocks of 8³ voxels where something is, in object space."""
 
+def densities_along(densities: Floats, begin: Doubles, step: Doubles) -> Floats | None:
+    """What tracking takes a medium to be in a cell of its bounds, by its extinction at 4³ points (64,), x fastest: (8, 4) for
+    pieces of a ray that begins at `begin` (3,) and goes on by `step` (3,), in steps between points from the cell's corner: mean,
+    majorant, certain part and residual. None where that says little more than the bounds of the whole cell. Within half of what
+    one of 255 equal shares of the range is from the trilinear value in the middle of each piece."""
+
 def read_vdb(
     object: str,
     path: str,

@@ -144,6 +144,12 @@ CALLS: dict[str, Call] = {
     ),
     "VoxelGrid.values": method(grid, "values", points=np.zeros((2, 3))),
     "VoxelGrid.bounds": method(grid, "bounds"),
+    "densities_along": later(
+        _core.densities_along,
+        densities=lambda: np.arange(64, dtype=np.float32) % 7,
+        begin=lambda: np.zeros(3),
+        step=lambda: np.ones(3) * 0.3,
+    ),
     "read_vdb": later(_core.read_vdb, object=lambda: "cloud", path=vdb_file, names=lambda: ["density"]),
     "volume": later(_core.volume, name=lambda: "cloud", grids=lambda: {0: grid()}),
     "SubdivisionSurface": ctor(_core.SubdivisionSurface, **CAGE),
