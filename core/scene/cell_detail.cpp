@@ -89,26 +89,21 @@ constexpr float kCovered = 2.0f;
 /// Detail that leaves more than this share of the residual is not worth its lookups.
 constexpr float kWorthy = 0.9f;
 
-size_t index_of(int x, int y, int z) {
-    return (static_cast<size_t>(z) * CellDetail::kSide + static_cast<size_t>(y)) * CellDetail::kSide +
-           static_cast<size_t>(x);
-}
+using Densities = std::array<float, CellDetail::kPoints>;
 
-/// Between the corners of a cell, at one of its points.
-float between_corners(std::span<const float, CellDetail::kPoints> densities, size_t point) {
-    constexpr int kLast = CellDetail::kSteps;
-    const std::array<size_t, 3> place{point % CellDetail::kSide, point / CellDetail::kSide % CellDetail::kSide,
-                                      point / CellDetail::kSide / CellDetail::kSide};
-    float sum = 0.0f;
-    for (int corner = 0; corner < 8; ++corner) {
-        float weight = 1.0f;
-        for (size_t axis = 0; axis < 3; ++axis) {
-            const float share = static_cast<float>(place[axis]) / kLast;
-            weight *= (corner >> axis & 1) != 0 ? share : 1.0f - share;
+/// What a cell's corners make expect at its points: along one axis after the other.
+Densities between_corners(const Densities& densities) {
+    Densities expected = densities;
+    size_t stride = 1;
+    for (int axis = 0; axis < 3; ++axis, stride *= CellDetail::kSide)
+        for (size_t i = 0; i < CellDetail::kPoints; ++i) {
+            const size_t place = i / stride % CellDetail::kSide;
+            if (place == 0 || place == CellDetail::kSteps) continue;
+            const float first = expected[i - stride * place];
+            const float last = expected[i + stride * (CellDetail::kSteps - place)];
+            expected[i] = first + (last - first) * static_cast<float>(place) / CellDetail::kSteps;
         }
-        sum += weight * densities[index_of((corner & 1) * kLast, (corner >> 1 & 1) * kLast, (corner >> 2) * kLast)];
-    }
-    return sum;
+    return expected;
 }
 
 }  // namespace
@@ -116,7 +111,7 @@ float between_corners(std::span<const float, CellDetail::kPoints> densities, siz
 CellDetail::CellDetail(std::span<const FoundDensity, kPoints> found, const DensityBounds& cell) {
     const float mean = average(cell.mean);
     if (!(mean > 0.0f) || !std::isfinite(mean) || !std::isfinite(cell.majorant)) return;
-    std::array<float, kPoints> densities;
+    Densities densities;
     float largest = 0.0f;
     scatters_ = true;
     for (size_t i = 0; i < kPoints; ++i) {
@@ -127,21 +122,22 @@ CellDetail::CellDetail(std::span<const FoundDensity, kPoints> found, const Densi
         if (extinction > 0.0f && !found[i].scatters) scatters_ = false;
     }
     const auto [least, most] = std::ranges::minmax(densities);
+    const Densities expected = between_corners(densities);
     float colors = 0.0f, corners = 0.0f;
     for (size_t i = 0; i < kPoints; ++i) {
         colors = std::max(colors, max_abs(found[i].extinction - cell.mean * (densities[i] / mean)));
-        corners = std::max(corners, std::abs(densities[i] - between_corners(densities, i)));
+        corners = std::max(corners, std::abs(densities[i] - expected[i]));
     }
-    const float shown = colors + corners * max_component(cell.mean) / mean * kFromPoints;
+    const float shown = colors + corners * (max_component(cell.mean) / mean) * kFromPoints;
     const float missed = cell.majorant - kCovered * largest;
     const float residual = std::max({shown, missed, kLeastResidual * cell.majorant});
     if (!(residual < kWorthy * cell.residual)) return;
     residual_ = residual;
     least_ = least / mean;
     per_share_ = (most - least) / mean / 255.0f;
-    const float per_density = most > least ? 255.0f / (most - least) : 0.0f;
+    if (!(most > least)) return;
     for (size_t i = 0; i < kPoints; ++i)
-        shares_[i] = static_cast<uint8_t>(std::lround((densities[i] - least) * per_density));
+        shares_[i] = static_cast<uint8_t>(std::lround((densities[i] - least) / (most - least) * 255.0f));
 }
 
 void CellDetail::look_up(PiecesOfCell& pieces) const {

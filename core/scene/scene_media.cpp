@@ -1,5 +1,7 @@
 #include "scene/scene_media.h"
 
+#include "base/short_list.h"
+
 #include <array>
 
 namespace rayleaf {
@@ -7,7 +9,7 @@ namespace {
 
 /// Cells along a side of the box of a medium that varies, and cells of all of them together.
 constexpr int kMostCellsOfSide = 24;
-constexpr double kMostCellsInAll = 1 << 18;
+constexpr double kMostCellsInAll = 1 << 17;
 
 /// Lookups across the box of what emits where there is nothing else: fire without smoke.
 constexpr double kGlowLookups = 32.0;
@@ -149,18 +151,16 @@ bool SceneMedia::is_empty_at(const SceneMedium& medium, const SurfacePoint& poin
 }
 
 void SceneMedia::look_up(const SceneMedium& medium, std::span<const GridProbe> probes, FoundDensity* found) const {
-    std::array<SurfacePoint, kMostPoints> places;
+    ShortList<SurfacePoint, kMostPoints> places;
     std::array<ShadingInputs, kMostPoints> inputs;
     std::array<const ShadingInputs*, kMostPoints> of_point;
+    ShortList<Closures, kMostPoints> closures;
     std::array<Closures*, kMostPoints> results;
-    std::vector<Closures> closures(probes.size());
-    const PathState path;
     for (size_t i = 0; i < probes.size(); ++i) {
-        places[i] = point_in(medium, probes[i].point, Vec3f(0, 0, 1));
-        inputs[i] = inputs_at(medium, places[i], path);
+        inputs[i] = inputs_at(medium, places.add(point_in(medium, probes[i].point, Vec3f(0, 0, 1))), PathState());
         inputs[i].assumed = probes[i].assumed;
         of_point[i] = &inputs[i];
-        results[i] = &closures[i];
+        results[i] = &closures.add();
     }
     medium.program->evaluate({of_point.data(), probes.size()}, {results.data(), probes.size()});
     for (size_t i = 0; i < probes.size(); ++i) {

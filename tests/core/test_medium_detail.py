@@ -56,6 +56,13 @@ def test_bounds_of_a_piece_hold_the_densities_around_it(core):
         assert (residual < 0.9 * np.ptp(found)).all()
 
 
+@pytest.mark.parametrize("size", [1e-43, 1e-38, 1e34])
+def test_densities_of_any_size_make_numbers(core, size):
+    found = (points(lambda x, y, z: x + y + z + 1.0) * size).astype(np.float32).ravel()
+    along = core.densities_along(found, np.zeros(3), np.full(3, STEPS / 8))
+    assert np.isfinite(along).all() and along.max() > 0.0
+
+
 def test_what_the_points_hardly_tell_apart_has_no_detail(core):
     assert core.densities_along(np.zeros(64, np.float32), np.zeros(3), np.ones(3)) is None
     assert core.densities_along(np.ones(64, np.float32), np.zeros(3), np.ones(3)) is None
