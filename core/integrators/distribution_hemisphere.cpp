@@ -138,7 +138,7 @@ void DistributionTracer::ask_world(const Branch& branch, const Vertex& vertex, c
     ray.differential =
         hemisphere_differential(vertex.differential, sample.direction, kPi * sample.density, chosen.count);
     way.differential = ray.differential;
-    way.widening = settings_.widening(max_component(ray.throughput) / ray.share, true);
+    way.widening = settings_.widening(max_abs(ray.throughput) / ray.share, true);
 }
 
 void DistributionTracer::receive_world_alone() {

@@ -39,14 +39,14 @@ bool DistributionTracer::pass_media(Branch& branch, double end) {
     const MediumSegment segment{scene_, branch.media, seen.ray, end - seen.from, branch.bounces.at(0)};
     const bool scatters = !branch.bounces.is_last() && branch.media.scatters();
     RandomStream random(branch.sampler, dimension(branch.vertex, PathDimension::MediumWalk));
+    const Vec2f numbers = branch.sampler.get2(dimension(branch.vertex, PathDimension::Medium));
     MediumPassage passage;
     if (scatters) {
         const SegmentBounds bounds(segment);
         add_scattered_light(branch, segment, bounds);
-        passage = pass(segment, bounds, branch.throughput,
-                       branch.sampler.get2(dimension(branch.vertex, PathDimension::Medium)), random);
+        passage = pass(segment, bounds, branch.throughput, numbers, random);
     } else {
-        passage = pass_unscattered(segment, random);
+        passage = pass_unscattered(segment, numbers.x, random);
     }
     if (!is_black(passage.emission)) add(branch, passage.emission, Pass::emission, -1);
     branch.throughput *= passage.weight;

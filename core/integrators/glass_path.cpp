@@ -93,7 +93,7 @@ bool cross_inside(LobeKind kind, const Color& factor, const GlassCrosser& path) 
     sample.transmitted = kind == LobeKind::Transmission;
     path.bounces.scatter(sample);
     path.throughput *= factor;
-    return max_component(path.throughput) > 0.0f;
+    return max_abs(path.throughput) > 0.0f;
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ class PointFinder {
     void look(const Branch& branch);
     void add(const Branch& branch, const Vertex& vertex, const Vec3f& normal);
     void push(Branch&& branch) {
-        if (max_component(branch.throughput) >= kLeastBrightness) pending_.push_back(std::move(branch));
+        if (max_abs(branch.throughput) >= kLeastBrightness) pending_.push_back(std::move(branch));
     }
 };
 

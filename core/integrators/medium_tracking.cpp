@@ -101,17 +101,16 @@ MediumPassage pass_even(const MediumSegment& segment, const Color& throughput, c
 }
 
 /// Nothing is scattered, but some is emitted: by what each tentative collision takes.
-MediumPassage pass_dimmed(const MediumSegment& segment, RandomStream& random) {
+MediumPassage pass_dimmed(const MediumSegment& segment, float first, RandomStream& random) {
     MediumPassage passage;
     const auto rate = [](const DensityBounds& bounds) { return bounds.majorant; };
     const auto passed = [](const DensityBounds&, double, double) { return true; };
-    track(BoundWalk(segment), segment.end, random.next(), random, rate, passed,
-          [&](double t, const DensityBounds& bounds) {
-              const Closures closures = limited(segment.at(t), bounds.limit);
-              passage.emission += passage.weight * closures.emission / bounds.majorant;
-              passage.weight *= (Color(bounds.majorant) - closures.medium.extinction) / bounds.majorant;
-              return stays(passage.weight, random);
-          });
+    track(BoundWalk(segment), segment.end, first, random, rate, passed, [&](double t, const DensityBounds& bounds) {
+        const Closures closures = limited(segment.at(t), bounds.limit);
+        passage.emission += passage.weight * closures.emission / bounds.majorant;
+        passage.weight *= (Color(bounds.majorant) - closures.medium.extinction) / bounds.majorant;
+        return stays(passage.weight, random);
+    });
     return passage;
 }
 
@@ -249,9 +248,9 @@ MediumPassage pass(const MediumSegment& segment, const SegmentBounds& bounds, co
     return VaryingPassage(segment, throughput, distance.x).result(bounds, distance.y, random);
 }
 
-MediumPassage pass_unscattered(const MediumSegment& segment, RandomStream& random) {
+MediumPassage pass_unscattered(const MediumSegment& segment, float first, RandomStream& random) {
     if (!segment.media.varies()) return pass_even(segment, segment.at(0.0));
-    if (segment.media.emits()) return pass_dimmed(segment, random);
+    if (segment.media.emits()) return pass_dimmed(segment, first, random);
     MediumPassage passage;
     passage.weight = tracked_transmittance(segment, BoundWalk(segment), random);
     return passage;

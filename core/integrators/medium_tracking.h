@@ -45,8 +45,9 @@ struct MediumPassage {
 MediumPassage pass(const MediumSegment& segment, const SegmentBounds& bounds, const Color& throughput,
                    const Vec2f& distance, RandomStream& random);
 
-/// Of one that gets to the end, whatever is scattered.
-MediumPassage pass_unscattered(const MediumSegment& segment, RandomStream& random);
+/// Of one that gets to the end, whatever is scattered. `first`: a random number for what is
+/// emitted, spread evenly over the samples of a pixel.
+MediumPassage pass_unscattered(const MediumSegment& segment, float first, RandomStream& random);
 
 /// A place on the segment from which sampled light is to be looked for.
 struct LitPlace {

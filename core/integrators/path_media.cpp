@@ -16,13 +16,14 @@ bool PathTracer::pass_media(double end, std::vector<LightRay>& light_rays) {
     const MediumSegment segment{scene_, media_, seen.ray, end - seen.from, bounces_.at(0)};
     const bool scatters = !bounces_.is_last() && media_.scatters();
     RandomStream random(sampler_, dimension(vertex_, PathDimension::MediumWalk));
+    const Vec2f numbers = sampler_.get2(dimension(vertex_, PathDimension::Medium));
     MediumPassage passage;
     if (scatters) {
         const SegmentBounds bounds(segment);
         add_scattered_light(segment, bounds, light_rays);
-        passage = pass(segment, bounds, throughput_, sampler_.get2(dimension(vertex_, PathDimension::Medium)), random);
+        passage = pass(segment, bounds, throughput_, numbers, random);
     } else {
-        passage = pass_unscattered(segment, random);
+        passage = pass_unscattered(segment, numbers.x, random);
     }
     if (!is_black(passage.emission)) add(passage.emission, Pass::emission, -1);
     throughput_ *= passage.weight;

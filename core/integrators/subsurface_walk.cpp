@@ -24,7 +24,7 @@ SubsurfaceMedium isotropic(const SubsurfaceMedium& medium) {
 
 bool survives(Color& throughput, float random) {
     constexpr float kCertain = 0.1f;
-    const float largest = max_component(throughput);
+    const float largest = max_abs(throughput);
     if (!(largest > 0.0f) || !is_finite(throughput)) return false;
     if (largest >= kCertain) return true;
     const float survival = largest / kCertain;

@@ -33,13 +33,13 @@ GridWalk::GridWalk(const MajorantGrid& grid, const GridLine& line, BoundDetail d
         const int cell = std::clamp(static_cast<int>(place), 0, grid.cells_ - 1);
         index += stride * cell;
         Axis& walk = axes_[static_cast<size_t>(axis)];
-        walk.cell = cell;
+        walk.next = cell + 1;
         if (line.direction[axis] == 0.0) continue;
         const bool is_up = line.direction[axis] > 0.0;
         walk.base = (grid.box_.min[axis] - line.origin[axis]) * line.per_direction[axis];
         walk.step = grid.width_[axis] * line.per_direction[axis];
         walk.turn = is_up ? 1 : -1;
-        walk.next = is_up ? cell + 1 : cell;
+        if (!is_up) walk.next = cell;
         walk.last = is_up ? grid.cells_ : 0;
         walk.stride = is_up ? stride : -stride;
         walk.find_border();
@@ -69,7 +69,7 @@ void GridWalk::enter_cell(double t) {
     pieces_.begin = t;
     pieces_.length = length / count;
     for (int axis = 0; axis < 3; ++axis) {
-        const double corner = CellDetail::kSteps * axes_[static_cast<size_t>(axis)].cell;
+        const double corner = CellDetail::kSteps * axes_[static_cast<size_t>(axis)].cell();
         pieces_.all.begin[static_cast<size_t>(axis)] =
             static_cast<float>(origin_[axis] + direction_[axis] * t - corner);
         pieces_.all.step[static_cast<size_t>(axis)] = static_cast<float>(direction_[axis] * pieces_.length);
@@ -87,7 +87,7 @@ void GridWalk::enter_piece() {
 
 void GridWalk::advance() {
     if (std::isinf(end_)) return;
-    if (pieces_.count > 0 && pieces_.passed < pieces_.count) return enter_piece();
+    if (pieces_.passed < pieces_.count) return enter_piece();
     const double t = cell_end_;
     Axis& walk = axes_[axes_[0].border <= t ? 0 : axes_[1].border <= t ? 1 : 2];
     if (walk.next == walk.last) {
@@ -97,7 +97,6 @@ void GridWalk::advance() {
         return;
     }
     walk.next += walk.turn;
-    walk.cell += walk.turn;
     walk.find_border();
     cell_ = static_cast<size_t>(static_cast<std::ptrdiff_t>(cell_) + walk.stride);
     enter_cell(t);

@@ -75,11 +75,11 @@ class GridWalk {
     struct Axis {
         double base = 0, step = 0;
         double border = std::numeric_limits<double>::infinity();  ///< where the walk leaves its cell
-        int cell = 0;
-        int next = 0, last = 0;  ///< number of that border; of the last inside the grid, in the walk's direction
+        int next = 1, last = 0;  ///< number of that border; of the last inside the grid, in the walk's direction
         int turn = 1;            ///< to the next
         std::ptrdiff_t stride = 0;
 
+        int cell() const { return turn > 0 ? next - 1 : next; }
         void find_border() { border = std::max(base + step * next, 0.0); }
     };
     /// Of the cell, if it has any.

@@ -274,10 +274,10 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
             transparent_ |= operands.size() > 30 && operands[30] >= 0 && !surely(30, 0.0f) && !surely(19, 0.0f);
             break;
         case Operation::volume_scatter:
-            scatters_ = true;
+            scatters_ |= !surely(0, 0.0f) && !surely(1, 0.0f) && !surely(2, 0.0f);
             break;
         case Operation::volume_principled:
-            scatters_ = true;
+            scatters_ |= !surely(0, 0.0f) && !surely(1, 0.0f) && !surely(2, 0.0f);
             emits_ |= (!surely(5, 0.0f) && !surely(6, 0.0f)) || !surely(7, 0.0f);
             break;
         default:

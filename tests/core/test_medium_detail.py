@@ -75,3 +75,13 @@ def test_what_a_medium_absorbs_of_camera_rays_has_little_noise(core, kind, limit
     scene = in_front_of_the_world(core, program)
     images = [picture(core, scene, samples=1, size=8, seed=seed) for seed in range(40)]
     assert np.std(images, axis=0).mean() < limit
+
+
+def test_light_of_fire_is_sampled_evenly(core):
+    """Standard deviation of a pixel of 16 samples: with numbers that are not spread over these it is 0.08."""
+    program, _ = uneven(core, "slope", "volume_absorption", (0.3, 0.3, 0.3))
+    height = program.operation("component", [program.operation("generated")], [2])
+    program.operation("emission", [program.constant(1, 1, 1, 1), program.constant(1.0, 0.5, 0.2, 1), height])
+    scene = in_front_of_the_world(core, program, world=(0, 0, 0))
+    images = [picture(core, scene, samples=16, size=8, seed=seed) for seed in range(20)]
+    assert np.std(images, axis=0).mean() < 0.04
