@@ -69,21 +69,6 @@ HWY_INLINE float inverse_of(float component) {
     return std::abs(component) > 1.0f / kHuge ? 1.0f / component : std::copysign(kHuge, component);
 }
 
-/// Whether a ray meets the slabs.
-HWY_INLINE bool meets(const OrientedBox& box, const float (&origin)[3], const float (&direction)[3], float farthest) {
-    float near = 0.0f, far = farthest;
-    for (int i = 0; i < 3; ++i) {
-        const float(&axis)[3] = box.axis[i];
-        const float place = axis[0] * origin[0] + axis[1] * origin[1] + axis[2] * origin[2];
-        const float speed = axis[0] * direction[0] + axis[1] * direction[1] + axis[2] * direction[2];
-        const float inverse = inverse_of(speed);
-        const float a = (box.low[i] - place) * inverse, b = (box.high[i] - place) * inverse;
-        near = std::max(near, std::min(a, b));
-        far = std::min(far, std::max(a, b));
-    }
-    return near <= far;
-}
-
 /// Where a ray alone is: at a node or an item, with others that wait.
 struct OnTheWay {
     uint32_t lane, next;
@@ -101,8 +86,6 @@ class OneRay {
         : boxes_(boxes), share_(hn::Set(Boxes(), boxes.share(lane))) {
         for (int axis = 0; axis < 3; ++axis) {
             const float inverse = inverse_of(direction[axis]);
-            origin_[axis] = origin[axis];
-            direction_[axis] = direction[axis];
             near_side_[axis] = inverse < 0.0f ? 1 : 0;
             inverse_[axis] = hn::Set(Boxes(), inverse);
             offset_[axis] = hn::Set(Boxes(), origin[axis] * inverse);
@@ -125,19 +108,14 @@ class OneRay {
   private:
     NodeBoxes boxes_;
     BoxVector share_;
-    float origin_[3], direction_[3];
     int near_side_[3];
     BoxVector inverse_[3], offset_[3];
 
-    HWY_INLINE void visit_item(uint32_t item, uint32_t lane, float* farthest, const BoxVisitor& visitor) const {
-        if (!visitor.oriented || meets(visitor.oriented[item], origin_, direction_, farthest[lane]))
-            visitor.visit(visitor.owner, item, 1u << lane, farthest);
-    }
     /// Visits what is next, a node or an item; false once nothing is left. kFetch: what waits is fetched.
     template <bool kFetch>
     HWY_INLINE bool advance(const BoxNode* nodes, OnTheWay& way, float* farthest, const BoxVisitor& visitor) const {
         if ((way.next & BoxNode::kLeaf) != 0)
-            visit_item(way.next & ~BoxNode::kLeaf, way.lane, farthest, visitor);
+            visitor.visit(visitor.owner, way.next & ~BoxNode::kLeaf, 1u << way.lane, farthest);
         else if (go_down<kFetch>(nodes, farthest[way.lane], way.next, way.waiting, way.count, visitor))
             return true;
         return take_waiting(way, farthest[way.lane]);

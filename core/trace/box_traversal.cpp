@@ -23,27 +23,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "base/lanes.inl"
 #include "trace/box_ray.inl"
 
-/// The lanes of the first and following rays that meet the slabs.
-HWY_INLINE uint32_t lanes_that_meet(const OrientedBox& box, const RayPacket& rays, const float* farthest, int first) {
-    RayVector near = hn::Zero(Rays()), far = hn::LoadU(Rays(), farthest + first);
-    const RayVector huge = hn::Set(Rays(), kHuge), least = hn::Set(Rays(), 1.0f / kHuge);
-    const auto along = [&](const float(&axis)[3], const auto& vectors) {
-        RayVector sum = hn::Mul(hn::Set(Rays(), axis[0]), hn::Load(Rays(), vectors[0] + first));
-        sum = hn::MulAdd(hn::Set(Rays(), axis[1]), hn::Load(Rays(), vectors[1] + first), sum);
-        return hn::MulAdd(hn::Set(Rays(), axis[2]), hn::Load(Rays(), vectors[2] + first), sum);
-    };
-    for (int i = 0; i < 3; ++i) {
-        const RayVector place = along(box.axis[i], rays.near_origin), speed = along(box.axis[i], rays.unit_direction);
-        const RayVector inverse = hn::IfThenElse(hn::Gt(hn::Abs(speed), least), hn::Div(hn::Set(Rays(), 1.0f), speed),
-                                                 hn::CopySign(huge, speed));
-        const RayVector a = hn::Mul(hn::Sub(hn::Set(Rays(), box.low[i]), place), inverse);
-        const RayVector b = hn::Mul(hn::Sub(hn::Set(Rays(), box.high[i]), place), inverse);
-        near = hn::Max(near, hn::Min(a, b));
-        far = hn::Min(far, hn::Max(a, b));
-    }
-    return mask_bits(Rays(), hn::Le(near, far)) << first;
-}
-
 /// A packet: the rays in the lanes, the children of a node one after the other.
 template <typename NodeBoxes>
 class ManyRays {
@@ -74,7 +53,7 @@ class ManyRays {
             const uint32_t child = next.child, left = next.lanes & reached(next.near, farthest);
             if (left == 0) continue;
             if ((child & BoxNode::kLeaf) != 0)
-                visit_item(child & ~BoxNode::kLeaf, left, farthest);
+                visitor_.visit(visitor_.owner, child & ~BoxNode::kLeaf, left, farthest);
             else if (std::popcount(left) > few_)
                 add_children(nodes, child, left, farthest);
             else
@@ -101,16 +80,6 @@ class ManyRays {
             bits |= mask_bits(Rays(), hn::Le(hn::Load(Rays(), near + first), hn::LoadU(Rays(), farthest + first)))
                     << first;
         return bits;
-    }
-    HWY_INLINE void visit_item(uint32_t item, uint32_t lanes, float* farthest) const {
-        if (visitor_.oriented) {
-            uint32_t met = 0;
-            for (int first = 0; first < kPacketSize; first += kRayWidth)
-                met |= lanes_that_meet(visitor_.oriented[item], rays_, farthest, first);
-            lanes &= met;
-            if (lanes == 0) return;
-        }
-        visitor_.visit(visitor_.owner, item, lanes, farthest);
     }
     HWY_INLINE void visit_one_by_one(const BoxNode* nodes, uint32_t child, uint32_t lanes, float* farthest) const {
         for (; lanes != 0; lanes &= lanes - 1) {

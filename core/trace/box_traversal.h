@@ -6,7 +6,6 @@
 
 #include "tessellation/ray_packet.h"
 #include "trace/box_tree.h"
-#include "trace/oriented_box.h"
 
 #include <cstdint>
 #include <limits>
@@ -21,7 +20,6 @@ struct BoxVisitor {
     void* owner;
     const void* items = nullptr;  ///< what `visit` reads first, by item, to be fetched ahead of it; null: unknown
     uint32_t item_bytes = 0;      ///< of each
-    const OrientedBox* oriented = nullptr;  ///< of items, which rays have to meet as well; null: there are none
 };
 
 /// Where the boxes of a tree's nodes are at each ray's time: they move along lines (BoxTree::moving_bounds).

@@ -267,20 +267,18 @@ void BoxTree::find_parents() {
                 parent_[child] = node;
                 continue;
             }
-            const uint32_t item = child & ~BoxNode::kLeaf;
-            if (item >= node_of_item_.size()) node_of_item_.resize(item + 1, kNowhere);
-            node_of_item_[item] = node;
+            const uint32_t leaf = child & ~BoxNode::kLeaf;
+            if (leaf >= node_of_leaf_.size()) node_of_leaf_.resize(leaf + 1, kNowhere);
+            node_of_leaf_[leaf] = node;
         }
     }
 }
 
-bool BoxTree::refit(std::span<const uint32_t> items, const std::function<Box3f(uint32_t)>& box_of) {
+void BoxTree::refit(std::span<const uint32_t> leaves, const std::function<Box3f(uint32_t)>& box_of) {
     if (parent_.empty()) find_parents();
-    for (const uint32_t item : items) {
-        if (item >= node_of_item_.size() || node_of_item_[item] == kNowhere) return false;
-        const Box3f box = box_of(item);
-        if (box.isEmpty()) return false;
-        uint32_t child = BoxNode::kLeaf | item, node = node_of_item_[item];
+    for (const uint32_t leaf : leaves) {
+        const Box3f box = box_of(leaf);
+        uint32_t child = BoxNode::kLeaf | leaf, node = node_of_leaf_[leaf];
         RTCBounds bounds{box.min.x, box.min.y, box.min.z, 0.0f, box.max.x, box.max.y, box.max.z, 0.0f};
         while (node != kNowhere) {
             set_box(nodes_[node], child_place(nodes_[node], child), bounds);
@@ -289,7 +287,6 @@ bool BoxTree::refit(std::span<const uint32_t> items, const std::function<Box3f(u
             node = parent_[node];
         }
     }
-    return true;
 }
 
 }  // namespace rayleaf

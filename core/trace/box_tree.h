@@ -52,9 +52,8 @@ class BoxTree {
     BoxTree(uint32_t count, const std::function<Box3f(uint32_t)>& box_of, const CancelToken& cancel,
             uint32_t most_in_leaf, BoxLeaves& leaves);
 
-    /// Renews the boxes of some items, of a tree with one item in a leaf. False where that cannot be, as an item was
-    /// left out or now has to be: then it must be built anew.
-    bool refit(std::span<const uint32_t> items, const std::function<Box3f(uint32_t)>& box_of);
+    /// Renews the boxes of some leaves, which are not empty.
+    void refit(std::span<const uint32_t> leaves, const std::function<Box3f(uint32_t)>& box_of);
     bool empty() const { return nodes_.size() == 0; }
     /// The first is the root.
     const BoxNode* nodes() const { return nodes_.data(); }
@@ -65,7 +64,7 @@ class BoxTree {
 
   private:
     LargeArray<BoxNode> nodes_;
-    std::vector<uint32_t> node_of_item_, parent_;  ///< filled by the first refit
+    std::vector<uint32_t> node_of_leaf_, parent_;  ///< filled by the first refit
 
     void find_parents();
     explicit BoxTree(LargeArray<BoxNode> nodes) : nodes_(std::move(nodes)) {}

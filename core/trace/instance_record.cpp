@@ -35,9 +35,7 @@ void InstanceRecord::place(const Shape& shape, const Affine3d& object_to_world) 
 bool InstanceRecord::try_place(const Shape& shape, const Affine3d& object_to_world) {
     local_to_world = object_to_world * shape.frame().to_object();
     const Affine3d inverse = local_to_world.inverse();
-    to_local_x = inverse.x;
-    to_local_y = inverse.y;
-    to_local_z = inverse.z;
+    to_local = {local_to_world.translation, inverse.x, inverse.y, inverse.z};
     const bool usable =
         is_finite(inverse.x) && is_finite(inverse.y) && is_finite(inverse.z) && is_place(local_to_world.translation);
     if (!usable) return false;
@@ -48,7 +46,7 @@ bool InstanceRecord::try_place(const Shape& shape, const Affine3d& object_to_wor
     sum_of_lengths = lengths[0] + lengths[1] + lengths[2];
     shear = 0.0;
     for (int axis = 0; axis < 3; ++axis)
-        shear += lengths[axis] * Vec3d(to_local_x[axis], to_local_y[axis], to_local_z[axis]).length();
+        shear += lengths[axis] * Vec3d(to_local.x[axis], to_local.y[axis], to_local.z[axis]).length();
     // A map that mirrors turns the winding.
     const double turned = local_to_world.determinant() < 0.0 ? -1.0 : 1.0;
     normal_x = local_to_world.normal({1, 0, 0}) * turned;

@@ -13,13 +13,14 @@
 
 namespace rayleaf {
 
-struct InstanceRecord {
+/// What most rays read comes first and fills two lines of the processor's caches.
+struct alignas(64) InstanceRecord {
     const ShapeScene* scene = nullptr;
     const LocalRayCache* cache = nullptr;  ///< null: rays are traced
     const Motion* motion = nullptr;        ///< null: it stands still, else the maps are those of one moment
     uint64_t visibility = 0;               ///< TracedInstance's
+    RayMap to_local;                       ///< world -> local
     Affine3d local_to_world;
-    Vec3d to_local_x{1, 0, 0}, to_local_y{0, 1, 0}, to_local_z{0, 0, 1};  ///< linear part world -> local, columns
 
     /// A local length looks at most 1 / `shrink` times as long in the world; a world length along a ray is at least
     /// `widening / shrink` times its local one.
@@ -44,11 +45,10 @@ struct InstanceRecord {
     /// How far one number may be rounded beside another of size 1, times the operations on the way (start_offset).
     static constexpr double kRoundingUnit = 64 * 0x1p-53;
 
-    Vec3d vector_to_local(const Vec3d& v) const { return to_local_x * v.x + to_local_y * v.y + to_local_z * v.z; }
+    Vec3d vector_to_local(const Vec3d& v) const { return to_local.x * v.x + to_local.y * v.y + to_local.z * v.z; }
     /// The translation is subtracted first: that rounds nothing where it matters, close to a far object.
-    Vec3d point_to_local(const Vec3d& p) const { return vector_to_local(p - local_to_world.translation); }
+    Vec3d point_to_local(const Vec3d& p) const { return vector_to_local(p - to_local.translation); }
     Vec3d normal_to_world(const Vec3d& n) const { return normal_x * n.x + normal_y * n.y + normal_z * n.z; }
-    RayMap to_local() const { return {local_to_world.translation, to_local_x, to_local_y, to_local_z}; }
     /// Of the whole motion.
     Box3d world_box() const;
 

@@ -14,12 +14,6 @@
 namespace rayleaf {
 namespace {
 
-/// Up to so many instances are asked one after the other, without a tree above them.
-constexpr size_t kDirectInstances = 3;
-
-/// A tree is built anew once so large a share of the instances has moved in it.
-constexpr uint32_t kMovedShare = 8;
-
 bool are_alike(const Shape& a, const Shape& b) {
     return &a == &b || key_of(a, {}) == key_of(b, {});
 }
@@ -88,18 +82,6 @@ TracedShapes traced_shapes(std::span<const std::shared_ptr<const Shape>> unique,
         if (store && lasts) store->keep(keys[i], {shapes[i], bytes[i]});
     });
     return {std::move(shapes), found};
-}
-
-const ShapePart& part_of(const InstanceRecord& record, int part) {
-    return record.scene->parts()[static_cast<size_t>(part)];
-}
-
-Box3d part_in_world(const InstanceRecord& record, int part) {
-    return image_of(part_of(record, part).box, record.local_to_world);
-}
-
-bool may_be_open(const InstanceRecord& record) {
-    return !record.motion && !record.cache && record.scene->parts().size() > 1;
 }
 
 std::vector<uint32_t> all_items(size_t count) {
@@ -235,128 +217,6 @@ std::vector<uint32_t> InstanceTable::place_instances(const Changes& changes) {
 void InstanceTable::set_bounds() {
     bounds.makeEmpty();
     for (const Box3d& box : boxes) bounds.extendBy(box);
-}
-
-/// Whether the space of the tree still fits.
-bool InstanceTable::frame_holds() const {
-    if (bounds.isEmpty()) return false;
-    const double reach = std::max(max_abs(bounds.min - frame.center), max_abs(bounds.max - frame.center));
-    return reach <= frame.scale && 2.0 * LocalFrame::fitting(bounds).scale >= frame.scale;
-}
-
-/// Empty where there is nothing to hit.
-Box3f InstanceTable::box_in_tree(const TreeItem& item) const {
-    const Box3d box = item.part < 0 ? boxes[item.instance] : part_in_world(records[item.instance], item.part);
-    if (box.isEmpty()) return {};
-    const Vec3f padding(static_cast<float>(kBoxPadding));
-    return {frame.to_local(box.min) - padding, frame.to_local(box.max) + padding};
-}
-
-/// What moves has none: any ray meets it.
-OrientedBox InstanceTable::oriented_in_tree(const TreeItem& item) const {
-    const InstanceRecord& record = records[item.instance];
-    const Box3d& box = item.part < 0 ? record.scene->box() : part_of(record, item.part).box;
-    OrientedBox turned;
-    if (record.motion || box.isEmpty()) return turned;
-    const Vec3d center = record.point_to_local(frame.center);
-    for (int i = 0; i < 3; ++i) {
-        const Vec3d row = Vec3d(record.to_local_x[i], record.to_local_y[i], record.to_local_z[i]) * frame.scale;
-        const double length = row.length();
-        for (int axis = 0; axis < 3; ++axis) turned.axis[i][axis] = static_cast<float>(row[axis] / length);
-        turned.low[i] = static_cast<float>((box.min[i] - center[i]) / length - 2.0 * kBoxPadding);
-        turned.high[i] = static_cast<float>((box.max[i] - center[i]) / length + 2.0 * kBoxPadding);
-    }
-    return turned;
-}
-
-/// Of instances whose parts fill little of their boxes, like curves, the tree holds the parts: where such boxes
-/// overlap, a ray meets what is near first, and few of the others. The largest instances are opened first, as rays meet
-/// them most (C. Benthin, S. Woop, I. Wald, A. Áfra: Improved Two-Level BVHs using Partial Re-Braiding, HPG 2017).
-std::vector<uint8_t> InstanceTable::choose_open() const {
-    constexpr size_t kMostOpened = 512;
-    std::vector<uint32_t> largest = all_items(instances.size());
-    std::erase_if(largest, [this](uint32_t i) { return !may_be_open(records[i]); });
-    std::ranges::stable_sort(largest, std::greater<>(), [this](uint32_t i) { return half_area(boxes[i]); });
-    largest.resize(std::min(largest.size(), kMostOpened));
-    std::vector<uint8_t> open(instances.size());
-    tbb::parallel_for(size_t{0}, largest.size(), [&](size_t k) {
-        const InstanceRecord& record = records[largest[k]];
-        double of_parts = 0.0;
-        for (size_t part = 0; part < record.scene->parts().size(); ++part)
-            of_parts += half_area(part_in_world(record, static_cast<int>(part)));
-        open[largest[k]] = of_parts < half_area(boxes[largest[k]]) ? 1 : 0;
-    });
-    return open;
-}
-
-void InstanceTable::set_items(std::span<const uint8_t> open) {
-    first_item_.assign(1, 0);
-    for (uint32_t i = 0; i < instances.size(); ++i)
-        first_item_.push_back(first_item_.back() +
-                              (open[i] != 0 ? static_cast<uint32_t>(records[i].scene->parts().size()) : 1));
-    items.resize(first_item_.back());
-    for (uint32_t i = 0; i < instances.size(); ++i) set_items_of(i);
-}
-
-/// As many as it had. False where that cannot be.
-bool InstanceTable::set_items_of(uint32_t instance) {
-    const std::span all =
-        std::span(items).subspan(first_item_[instance], first_item_[instance + 1] - first_item_[instance]);
-    if (!is_open(instance)) {
-        all.front() = {instance};
-        return true;
-    }
-    const InstanceRecord& record = records[instance];
-    if (!may_be_open(record) || record.scene->parts().size() != all.size()) return false;
-    for (size_t part = 0; part < all.size(); ++part)
-        all[part] = {instance, record.scene->parts()[part].root, static_cast<int>(part)};
-    return true;
-}
-
-size_t InstanceTable::opened() const {
-    return tree.empty() ? 0
-                        : static_cast<size_t>(std::ranges::count_if(all_items(instances.size()),
-                                                                    [this](uint32_t i) { return is_open(i); }));
-}
-
-void InstanceTable::take_caches() {
-    if (tree.empty()) return;
-    const std::vector<uint8_t> open = choose_open();
-    for (uint32_t i = 0; i < instances.size(); ++i)
-        if (is_open(i) != (open[i] != 0)) return build_tree(open, kNeverCancelled);
-}
-
-void InstanceTable::renew_tree(std::span<const uint32_t> placed, const CancelToken& cancel) {
-    const auto count = static_cast<uint32_t>(instances.size());
-    moved_ += static_cast<uint32_t>(std::min<size_t>(placed.size(), count));
-    if (!tree.empty() && moved_ <= count / kMovedShare && frame_holds() && refit_tree(placed)) return;
-    frame = LocalFrame::fitting(bounds);
-    moved_ = 0;
-    tree = {};
-    items.clear();
-    oriented.clear();
-    if (count > kDirectInstances && !bounds.isEmpty()) build_tree(choose_open(), cancel);
-}
-
-void InstanceTable::build_tree(std::span<const uint8_t> open, const CancelToken& cancel) {
-    set_items(open);
-    const auto count = static_cast<uint32_t>(items.size());
-    tree = BoxTree(
-        count, [this](uint32_t i) { return box_in_tree(items[i]); }, cancel);
-    oriented.resize(count);
-    tbb::parallel_for(0u, count, [&](uint32_t i) { oriented[i] = oriented_in_tree(items[i]); });
-}
-
-/// False where it must be built anew.
-bool InstanceTable::refit_tree(std::span<const uint32_t> placed) {
-    std::vector<uint32_t> moved;
-    for (const uint32_t i : placed) {
-        if (!set_items_of(i)) return false;
-        for (uint32_t item = first_item_[i]; item < first_item_[i + 1]; ++item) moved.push_back(item);
-    }
-    if (!tree.refit(moved, [this](uint32_t i) { return box_in_tree(items[i]); })) return false;
-    for (const uint32_t item : moved) oriented[item] = oriented_in_tree(items[item]);
-    return true;
 }
 
 }  // namespace rayleaf

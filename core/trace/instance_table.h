@@ -7,7 +7,7 @@
 #include "trace/box_tree.h"
 #include "trace/dicing.h"
 #include "trace/instance_record.h"
-#include "trace/oriented_box.h"
+#include "trace/oriented_boxes.h"
 #include "trace/shape_scene.h"
 #include "trace/tracer.h"
 
@@ -41,8 +41,12 @@ struct InstanceTable {
     Box3d bounds;
     LocalFrame frame;                   ///< world -> the space of the tree
     BoxTree tree;                       ///< above the instances; empty where there are few
-    std::vector<TreeItem> items;        ///< of the tree, instance after instance
-    std::vector<OrientedBox> oriented;  ///< of items, in that space
+    std::vector<OrientedBoxes> leaves;  ///< of the tree, in that space
+    std::vector<TreeItem> items;        ///< what the boxes of the leaves hold: OrientedBoxes::kMost places a leaf
+
+    std::span<const TreeItem> items_in(uint32_t leaf) const {
+        return {items.data() + size_t{leaf} * OrientedBoxes::kMost, leaves[leaf].count};
+    }
 
     /// Makes it the table of these instances. `store` may be null. After an exception, Cancelled too, it is of no use.
     void update(ChunkedVector<TracedInstance> instances_now, const DicingView& view_now, uint64_t resident_budget,
@@ -58,7 +62,8 @@ struct InstanceTable {
     DicingView view_;
     uint64_t resident_budget_ = 0;
     uint32_t moved_ = 0;                ///< instances since the tree was built
-    std::vector<uint32_t> first_item_;  ///< of each instance, and at the end the number of items
+    std::vector<uint32_t> first_item_;  ///< of each instance, in `place_`, and at the end its size
+    std::vector<uint32_t> place_;       ///< among `items`, instance after instance; kNoPlace: nothing to hit
 
     /// What an update has found.
     struct Changes {
@@ -77,8 +82,12 @@ struct InstanceTable {
     void build_tree(std::span<const uint8_t> open, const CancelToken& cancel);
     bool refit_tree(std::span<const uint32_t> placed);
     std::vector<uint8_t> choose_open() const;
-    void set_items(std::span<const uint8_t> open);
-    bool set_items_of(uint32_t instance);
+    std::vector<TreeItem> items_of(uint32_t instance, bool open) const;
+    bool renew_items_of(uint32_t instance);
+    void renew_leaf(uint32_t leaf);
+    std::span<const uint32_t> places_of(uint32_t instance) const {
+        return std::span(place_).subspan(first_item_[instance], first_item_[instance + 1] - first_item_[instance]);
+    }
     bool is_open(uint32_t instance) const { return first_item_[instance + 1] - first_item_[instance] > 1; }
     Box3f box_in_tree(const TreeItem& item) const;
     OrientedBox oriented_in_tree(const TreeItem& item) const;

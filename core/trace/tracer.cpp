@@ -186,7 +186,8 @@ TraceStatistics Tracer::statistics() const {
     result.opened_instances = implementation_->opened();
     result.kept_shapes = implementation_->kept_shapes;
     result.bvh_bytes = implementation_->embree_held + implementation_->tree.bytes() +
-                       implementation_->items.size() * (sizeof(TreeItem) + sizeof(OrientedBox));
+                       implementation_->leaves.size() * sizeof(OrientedBoxes) +
+                       implementation_->items.size() * sizeof(TreeItem);
     for (const std::shared_ptr<ShapeScene>& shape : implementation_->shapes) {
         result.subpatches += shape->subpatch_count();
         result.record_bytes += shape->record_bytes();

@@ -71,20 +71,63 @@ void Tracer::Implementation::ask_above(Packet& packet) const {
         const Implementation* tracer;
         Packet* packet;
     } asked{this, &packet};
-    const auto visit_lanes = [](void* owner, uint32_t number, uint32_t met, float* farthest) {
+    const auto visit_lanes = [](void* owner, uint32_t leaf, uint32_t met, float* farthest) {
         const Asked& all = *static_cast<const Asked*>(owner);
-        const TreeItem& item = all.tracer->items[number];
-        Packet& rays = *all.packet;
-        rays.shape.root = item.root;
-        for_each_lane(all.tracer->visit(rays, item.instance, met), [&](size_t lane) {
-            farthest[lane] =
-                rays.results ? float_distance_of(rays.world.t_max[lane], rays.above.start[lane], rays.above.speed[lane])
-                             : kDone;
-        });
+        all.tracer->visit_leaf(*all.packet, leaf, met, farthest);
     };
     alignas(64) float farthest[kPacketSize];
     std::copy_n(packet.above.farthest, kPacketSize, farthest);
     traversal.packet(tree.nodes(), 0, packet.above, lanes, kFewAboveInstances, farthest, visitor(visit_lanes, &asked));
+}
+
+/// What few rays meet, each meets in its own order.
+void Tracer::Implementation::visit_leaf(Packet& packet, uint32_t leaf, uint32_t lanes, float* farthest) const {
+    const RayPacket& above = packet.above;
+    if (!are_many(lanes)) {
+        for_each_lane(lanes, [&](size_t lane) {
+            const auto of_lane = [lane](const float(&rows)[3][kPacketSize]) {
+                return Vec3f(rows[0][lane], rows[1][lane], rows[2][lane]);
+            };
+            meet_leaf(leaf, of_lane(above.near_origin), of_lane(above.unit_direction), farthest[lane],
+                      [&](const TreeItem& item) { visit_item(packet, item, 1u << lane, farthest); });
+        });
+        return;
+    }
+    MetBoxes met;
+    box_kernels.together(leaves[leaf], above, farthest, met);
+    float keys[OrientedBoxes::kMost];
+    uint32_t entered = 0;
+    for (uint32_t box = 0; box < leaves[leaf].count; ++box) {
+        met.lanes[box] &= lanes;
+        if (met.lanes[box] == 0) continue;
+        entered |= 1u << box;
+        const int first = __builtin_ctz(met.lanes[box]);
+        keys[box] = met.nears[box][first] > 0.0f ? met.nears[box][first] : met.fars[box][first];
+    }
+    const TreeItem* const held = items_in(leaf).data();
+    fetch_records(held, entered);
+    uint32_t nearer = 0;
+    for_each_by_key(entered, keys, [&](uint32_t box) {
+        uint32_t left = met.lanes[box];
+        for_each_lane(left & nearer, [&](size_t lane) {
+            if (met.nears[box][lane] > farthest[lane]) left &= ~(1u << lane);
+        });
+        if (left != 0) nearer |= visit_item(packet, held[box], left, farthest);
+        return true;
+    });
+}
+
+/// Returns the lanes that have found something, nearer than what was.
+uint32_t Tracer::Implementation::visit_item(Packet& packet, const TreeItem& item, uint32_t lanes,
+                                            float* farthest) const {
+    packet.shape.root = item.root;
+    const uint32_t nearer = visit(packet, item.instance, lanes);
+    for_each_lane(nearer, [&](size_t lane) {
+        farthest[lane] = packet.results ? float_distance_of(packet.world.t_max[lane], packet.above.start[lane],
+                                                            packet.above.speed[lane])
+                                        : kDone;
+    });
+    return nearer;
 }
 
 uint32_t Tracer::Implementation::visit(Packet& packet, uint32_t index, uint32_t lanes) const {
@@ -147,7 +190,7 @@ bool Tracer::Implementation::enter_shape(Packet& packet, uint32_t index, uint32_
         shape.rays.start_facet[lane] = from.instance == index ? from.facet : RayAnchor::kNone;
     });
     shape.lanes = record.motion ? into_shape(packet, record, lanes)
-                                : clip_packet(packet.world, lanes, record.to_local(), record.scene->box(), shape.rays);
+                                : clip_packet(packet.world, lanes, record.to_local, record.scene->box(), shape.rays);
     if (record.scene->deforms())
         for_each_lane(shape.lanes, [&](size_t lane) { shape.times[lane] = shutter_time(packet.rays[lane].ray->time); });
     return shape.lanes != 0;

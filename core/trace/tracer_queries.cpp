@@ -108,16 +108,18 @@ bool Tracer::Implementation::ask_above(Query& query) const {
         const LocalRay* ray;
         bool found;
     } asked{this, &query, &*ray, false};
-    const auto visit_one = [](void* owner, uint32_t number, uint32_t, float* farthest) {
+    const auto visit_leaf = [](void* owner, uint32_t leaf, uint32_t, float* farthest) {
         Asked& all = *static_cast<Asked*>(owner);
-        const TreeItem& item = all.tracer->items[number];
-        all.query->root = item.root;
-        if (!all.tracer->visit(*all.query, item.instance)) return;
-        all.found = true;
-        *farthest = all.query->result ? all.ray->float_distance(all.query->farthest) : kDone;
+        const LocalRay& above = *all.ray;
+        all.tracer->meet_leaf(leaf, above.float_origin, above.float_direction, *farthest, [&](const TreeItem& item) {
+            all.query->root = item.root;
+            if (!all.tracer->visit(*all.query, item.instance)) return;
+            all.found = true;
+            *farthest = all.query->result ? above.float_distance(all.query->farthest) : kDone;
+        });
     };
     float farthest = ray->float_distance(ray->t_max);
-    traversal.alone(tree.nodes(), 0, ray->float_origin, ray->float_direction, &farthest, visitor(visit_one, &asked));
+    traversal.alone(tree.nodes(), 0, ray->float_origin, ray->float_direction, &farthest, visitor(visit_leaf, &asked));
     return asked.found;
 }
 

@@ -22,6 +22,7 @@ struct Tracer::Implementation : InstanceTable {
     std::vector<std::shared_ptr<const LocalRayCache>> caches;  ///< that the records use, by instance; or none at all
     TracedShapeStore* store = nullptr;                         ///< gets the table back; null: nobody does
     BoxTraversal traversal = box_traversal();
+    OrientedBoxKernels box_kernels = oriented_box_kernels();
     ClipPacket clip_packet = clip_kernel();
     std::unique_ptr<GeometryCache> cache;  ///< null without patches
     std::vector<LightPassage> passages;    ///< of instances; none: all are closed
@@ -56,8 +57,31 @@ struct Tracer::Implementation : InstanceTable {
     bool ask_all(Query& query) const;
     bool ask_above(Query& query) const;
     /// Of the tree above the instances.
-    BoxVisitor visitor(BoxVisitor::Visit visit_instance, void* owner) const {
-        return {visit_instance, owner, oriented.data(), sizeof(OrientedBox), oriented.data()};
+    BoxVisitor visitor(BoxVisitor::Visit meet, void* owner) const {
+        return {meet, owner, leaves.data(), sizeof(OrientedBoxes)};
+    }
+    /// Calls `visit` with what a ray above the instances may meet of a leaf, the nearest first, as far as `farthest`,
+    /// which it may lower.
+    template <typename Visit>
+    void meet_leaf(uint32_t leaf, const Vec3f& origin, const Vec3f& direction, const float& farthest,
+                   const Visit& visit) const {
+        float nears[OrientedBoxes::kMost];
+        const uint32_t met = box_kernels.alone(leaves[leaf], origin, direction, farthest, nears);
+        const TreeItem* const held = items_in(leaf).data();
+        fetch_records(held, met);
+        for_each_by_key(met, nears, [&](uint32_t box) {
+            if (!(nears[box] <= farthest)) return false;
+            visit(held[box]);
+            return true;
+        });
+    }
+    /// What rays read of them, ahead of the first.
+    void fetch_records(const TreeItem* held, uint32_t bits) const {
+        for (; bits != 0; bits &= bits - 1) {
+            const InstanceRecord& record = records[held[__builtin_ctz(bits)].instance];
+            __builtin_prefetch(&record);
+            __builtin_prefetch(&record.to_local.y);
+        }
     }
     /// Whether a hit comes first among equally distant ones. `result` is one that was found before, `traced` its facet.
     static bool goes_first(uint32_t instance, const FacetId& facet, const ClosestHit& result,
@@ -88,6 +112,8 @@ struct Tracer::Implementation : InstanceTable {
     void start(Packet& packet) const;
     void ask_all(Packet& packet) const;
     void ask_above(Packet& packet) const;
+    void visit_leaf(Packet& packet, uint32_t leaf, uint32_t lanes, float* farthest) const;
+    uint32_t visit_item(Packet& packet, const TreeItem& item, uint32_t lanes, float* farthest) const;
     /// These return the lanes that have found something, nearer than what was.
     uint32_t visit(Packet& packet, uint32_t index, uint32_t lanes) const;
     uint32_t visit_alone(Packet& packet, uint32_t index, uint32_t lanes) const;
