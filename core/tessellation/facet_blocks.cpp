@@ -263,6 +263,14 @@ Box3f FacetBlocks::box_at(uint32_t index, size_t step) const {
     return {Vec3f(box.min) - padding, Vec3f(box.max) + padding};
 }
 
+std::vector<Vec3d> FacetBlocks::vertices() const {
+    std::vector<Vec3d> all;
+    all.reserve(blocks_.size() * kBlockSize);
+    for (size_t block = 0; block < blocks_.size(); ++block)
+        for (int k = 0; k < kBlockSize; ++k) all.push_back(blocks_[block].vertex(k, format_));
+    return all;
+}
+
 Vec2d FacetBlocks::place(uint32_t index, uint32_t triangle, double weight1, double weight2) const {
     const FacetBlock& block = (*this)[index];
     if (format_ == VertexFormat::Fixed) return parameters_in_cell(grid_triangle(block, triangle), weight1, weight2);

@@ -101,6 +101,8 @@ class FacetBlocks {
     /// Box of a block's vertices, padded as a Grid's blocks are: at all times, or at a step.
     Box3f box(uint32_t block) const;
     Box3f box_at(uint32_t block, size_t step) const;
+    /// All vertices at all times.
+    std::vector<Vec3d> vertices() const;
     /// Where in the subpatch's grid of 16 x 16 cells a point of a triangle lies; weights of its corners 1 and 2.
     Vec2d place(uint32_t block, uint32_t triangle, double weight1, double weight2) const;
     /// The triangle at a place, and the weights there.

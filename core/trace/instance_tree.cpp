@@ -52,24 +52,29 @@ Box3f InstanceTable::box_in_tree(const TreeItem& item) const {
     return {frame.to_local(box.min) - padding, frame.to_local(box.max) + padding};
 }
 
-/// Along the axes of the tree, where the other would be larger or the instance moves.
+/// Along the axes of the tree, where the other would be larger or the instance moves. A ray cache is asked by all rays
+/// that meet the shape's box.
 OrientedBox InstanceTable::oriented_in_tree(const TreeItem& item) const {
     const InstanceRecord& record = records[item.instance];
-    const Box3d& box = item.part < 0 ? record.scene->box() : part_of(record, item.part).box;
     const Box3f upright = box_in_tree(item);
     OrientedBox straight{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                          {upright.min.x, upright.min.y, upright.min.z},
                          {upright.max.x, upright.max.y, upright.max.z},
                          true};
     if (record.motion) return straight;
+    const SnugBox box = item.part >= 0 ? SnugBox(part_of(record, item.part).box)
+                        : record.cache ? SnugBox(record.scene->box())
+                                       : record.scene->snug_box();
     OrientedBox turned{};
     const Vec3d center = record.point_to_local(frame.center);
-    for (int i = 0; i < 3; ++i) {
-        const Vec3d row = Vec3d(record.to_local.x[i], record.to_local.y[i], record.to_local.z[i]) * frame.scale;
+    const RayMap& map = record.to_local;
+    for (size_t i = 0; i < 3; ++i) {
+        const Vec3d& axis = box.axis[i];
+        const Vec3d row = Vec3d(axis.dot(map.x), axis.dot(map.y), axis.dot(map.z)) * frame.scale;
         const double length = row.length();
-        for (int axis = 0; axis < 3; ++axis) turned.axis[i][axis] = static_cast<float>(row[axis] / length);
-        turned.low[i] = static_cast<float>((box.min[i] - center[i]) / length - 2.0 * kBoxPadding);
-        turned.high[i] = static_cast<float>((box.max[i] - center[i]) / length + 2.0 * kBoxPadding);
+        turned.axis[i] = Vec3f(row / length);
+        turned.low[i] = static_cast<float>((box.low[i] - axis.dot(center)) / length - 2.0 * kBoxPadding);
+        turned.high[i] = static_cast<float>((box.high[i] - axis.dot(center)) / length + 2.0 * kBoxPadding);
     }
     return half_area_of(turned) < half_area_of(straight) ? turned : straight;
 }
@@ -134,6 +139,7 @@ void InstanceTable::take_caches() {
     const std::vector<uint8_t> open = choose_open();
     for (uint32_t i = 0; i < instances.size(); ++i)
         if (is_open(i) != (open[i] != 0)) return build_tree(open, kNeverCancelled);
+    for (uint32_t leaf = 0; leaf < leaves.size(); ++leaf) renew_leaf(leaf);
 }
 
 void InstanceTable::renew_tree(std::span<const uint32_t> placed, const CancelToken& cancel) {

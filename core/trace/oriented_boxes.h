@@ -10,8 +10,8 @@
 
 namespace rayleaf {
 
-/// Three slabs in the space of the tree, padded as its boxes are. Their axes are those of the shape, so a flat shape
-/// that is turned has a flat box.
+/// Three slabs in the space of the tree, padded as its boxes are: an image of the shape's box or snug box, so a flat
+/// shape that is turned has a flat box.
 struct OrientedBox {
     Vec3f axis[3];          ///< unit normals of the slabs
     float low[3], high[3];  ///< where the slabs are along them

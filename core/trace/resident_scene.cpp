@@ -36,6 +36,7 @@ ResidentScene::ResidentScene(const Shape& shape, std::vector<DicedSurface> forms
     for (const DicedSurface& form : forms) box.extendBy(form.box);
     if (!tree_.empty()) set_box(box);
     set_parts(parts_of(tree_.still()));
+    if (blocks_.block_count() * shape.steps() * kBlockSize <= kMostPoints) set_points(blocks_.vertices());
     dicer_ = std::move(forms.front().dicer);
 }
 

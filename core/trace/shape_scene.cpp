@@ -24,6 +24,11 @@ void ShapeScene::set_scene(EmbreeScene scene, const Box3f& box) {
 void ShapeScene::set_box(const Box3f& box) {
     const Vec3d padding(kBoxPadding);
     box_ = Box3d(Vec3d(box.min) - padding, Vec3d(box.max) + padding);
+    snug_box_ = SnugBox(box_);
+}
+
+void ShapeScene::set_points(std::span<const Vec3d> points) {
+    snug_box_ = SnugBox(box_, points);
 }
 
 void ShapeScene::set_parts(std::vector<ShapePart> parts) {

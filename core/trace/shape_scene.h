@@ -20,6 +20,7 @@
 #include "trace/local_ray.h"
 #include "trace/passed_hits.h"
 #include "trace/shape_parts.h"
+#include "trace/snug_box.h"
 
 #include <array>
 #include <cstdint>
@@ -175,6 +176,8 @@ class ShapeScene {
     bool deforms() const { return deforms_; }
     /// Bounds of everything a ray can hit, local space, padded for float rays; empty for an empty shape.
     const Box3d& box() const { return box_; }
+    /// The same of another direction, where that is smaller.
+    const SnugBox& snug_box() const { return snug_box_; }
     /// Parts that rays can be asked to meet alone, together all of it; none: it is met as a whole.
     std::span<const ShapePart> parts() const {
         return kind_ == FacetKind::Resident ? std::span(parts_) : std::span<const ShapePart>();
@@ -246,6 +249,10 @@ class ShapeScene {
     void set_scene(EmbreeScene scene, const Box3f& box);
     /// The same of a shape that has a tree of its own.
     void set_box(const Box3f& box);
+    /// After the box: points, at all times, between which all facets lie. More than so many are not worth a look: a ray
+    /// meets few shapes of that size.
+    static constexpr size_t kMostPoints = 1 << 16;
+    void set_points(std::span<const Vec3d> points);
     /// Parts whose boxes together hold what that box holds, not yet padded.
     void set_parts(std::vector<ShapePart> parts);
     RTCScene embree_scene() const { return scene_.get(); }
@@ -266,6 +273,7 @@ class ShapeScene {
     uint32_t first_subpatch_ = 0;
     EmbreeScene scene_;
     Box3d box_;
+    SnugBox snug_box_{Box3d()};
     std::vector<ShapePart> parts_;  ///< none: the box is all that is known
 };
 

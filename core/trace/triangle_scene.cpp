@@ -110,7 +110,7 @@ TriangleScene::TriangleScene(const TriangleMesh& mesh, const CancelToken& cancel
     EmbreeScene scene = new_embree_scene(cancel);
     build_embree_scene(scene, geometry);
     set_scene(std::move(scene), mesh.bounds());
-    set_parts(parts_of(mesh));
+    set_parts_and_points();
 }
 
 bool TriangleScene::find_all(const LocalRay& ray, uint32_t instance, PassedHits& passed) const {
@@ -130,7 +130,7 @@ bool FewTrianglesScene::suits(const TriangleMesh& mesh) {
 FewTrianglesScene::FewTrianglesScene(const TriangleMesh& mesh) : MeshScene(mesh), meet_few_(few_facets_kernel()) {
     for (uint32_t i = 0; i < mesh.triangles().size(); ++i) corners_.push_back(mesh.corners(i));
     set_box(mesh.bounds());
-    set_parts(parts_of(mesh));
+    set_parts_and_points();
 }
 
 bool FewTrianglesScene::closest(const LocalRay& ray, ShapeHit& hit) const {
@@ -166,6 +166,15 @@ bool FewTrianglesScene::find_all(const LocalRay& ray, uint32_t instance, PassedH
     for (uint32_t i = 0; i < corners_.size(); ++i)
         if (query.take({i, 0}, facet_ray.meet(corners_[i]))) return true;
     return false;
+}
+
+void MeshScene::set_parts_and_points() {
+    set_parts(parts_of(*mesh_));
+    std::vector<Vec3d> points;
+    if (mesh_->vertices(0).size() * mesh_->steps() > kMostPoints) return;
+    for (size_t step = 0; step < mesh_->steps(); ++step)
+        for (const Vec3f& vertex : mesh_->vertices(step)) points.emplace_back(vertex);
+    set_points(points);
 }
 
 LocalHit MeshScene::local_hit(const ShapeHit& hit) const {

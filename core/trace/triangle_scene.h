@@ -20,6 +20,8 @@ class MeshScene : public ShapeScene {
   protected:
     explicit MeshScene(const TriangleMesh& mesh) : ShapeScene(mesh, FacetKind::Triangles), mesh_(&mesh) {}
     const TriangleMesh& mesh() const { return *mesh_; }
+    /// Once the box is known.
+    void set_parts_and_points();
 
   private:
     const TriangleMesh* mesh_;
