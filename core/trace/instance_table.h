@@ -55,8 +55,9 @@ struct InstanceTable {
     size_t opened() const;
     /// How many chunks of instances it has in common with others.
     size_t likeness(const ChunkedVector<TracedInstance>& others) const;
-    /// Once other instances than before ask ray caches: these are told of all rays that meet the whole instance.
-    void take_caches();
+    /// Once instances ask other ray caches than before, or none: a cache is told of all rays that meet the box of the
+    /// whole shape.
+    void take_caches(std::span<const uint32_t> of);
 
   private:
     DicingView view_;
@@ -84,6 +85,7 @@ struct InstanceTable {
     std::vector<uint8_t> choose_open() const;
     std::vector<TreeItem> items_of(uint32_t instance, bool open) const;
     bool renew_items_of(uint32_t instance);
+    std::vector<uint32_t> leaves_of(std::span<const uint32_t> instances_in_tree) const;
     void renew_leaf(uint32_t leaf);
     std::span<const uint32_t> places_of(uint32_t instance) const {
         return std::span(place_).subspan(first_item_[instance], first_item_[instance + 1] - first_item_[instance]);

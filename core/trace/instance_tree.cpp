@@ -122,6 +122,17 @@ bool InstanceTable::renew_items_of(uint32_t instance) {
     return true;
 }
 
+/// Each once.
+std::vector<uint32_t> InstanceTable::leaves_of(std::span<const uint32_t> instances_in_tree) const {
+    std::vector<uint32_t> all;
+    for (const uint32_t i : instances_in_tree)
+        for (const uint32_t place : places_of(i))
+            if (place != kNoPlace) all.push_back(place / OrientedBoxes::kMost);
+    std::ranges::sort(all);
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return all;
+}
+
 void InstanceTable::renew_leaf(uint32_t leaf) {
     const std::span<const TreeItem> held = items_in(leaf);
     for (uint32_t i = 0; i < held.size(); ++i) leaves[leaf].set(i, oriented_in_tree(held[i]));
@@ -134,12 +145,12 @@ size_t InstanceTable::opened() const {
     return count;
 }
 
-void InstanceTable::take_caches() {
+void InstanceTable::take_caches(std::span<const uint32_t> of) {
     if (tree.empty()) return;
     const std::vector<uint8_t> open = choose_open();
     for (uint32_t i = 0; i < instances.size(); ++i)
         if (is_open(i) != (open[i] != 0)) return build_tree(open, kNeverCancelled);
-    for (uint32_t leaf = 0; leaf < leaves.size(); ++leaf) renew_leaf(leaf);
+    for (const uint32_t leaf : leaves_of(of)) renew_leaf(leaf);
 }
 
 void InstanceTable::renew_tree(std::span<const uint32_t> placed, const CancelToken& cancel) {
@@ -183,13 +194,9 @@ void InstanceTable::build_tree(std::span<const uint8_t> open, const CancelToken&
 
 /// False where it must be built anew.
 bool InstanceTable::refit_tree(std::span<const uint32_t> placed) {
-    std::vector<uint32_t> moved;  // leaves
-    for (const uint32_t i : placed) {
+    for (const uint32_t i : placed)
         if (!renew_items_of(i)) return false;
-        for (const uint32_t place : places_of(i)) moved.push_back(place / OrientedBoxes::kMost);
-    }
-    std::ranges::sort(moved);
-    moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
+    const std::vector<uint32_t> moved = leaves_of(placed);
     for (const uint32_t leaf : moved) renew_leaf(leaf);
     tree.refit(moved, [this](uint32_t leaf) {
         Box3f box;

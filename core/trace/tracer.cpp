@@ -41,9 +41,13 @@ Tracer::~Tracer() {
 }
 
 void Tracer::Implementation::give_back_table() {
-    for (size_t i = 0; i < caches.size(); ++i)
-        if (caches[i]) records[i].cache = nullptr;
-    if (!caches.empty()) take_caches();
+    std::vector<uint32_t> had_caches;
+    for (uint32_t i = 0; i < caches.size(); ++i) {
+        if (!caches[i]) continue;
+        records[i].cache = nullptr;
+        had_caches.push_back(i);
+    }
+    if (!had_caches.empty()) take_caches(had_caches);
     store->tables.give_back(std::move(static_cast<InstanceTable&>(*this)));
 }
 
@@ -126,7 +130,7 @@ void Tracer::set_cache(std::span<const uint32_t> instances, const std::shared_pt
         implementation_->records[instance].cache = cache.get();
         implementation_->caches[instance] = cache;
     }
-    implementation_->take_caches();
+    implementation_->take_caches(instances);
 }
 
 void Tracer::set_passages(std::vector<LightPassage> passages) {
