@@ -33,7 +33,7 @@ struct Crossing {
     HWY_INLINE uint32_t bits() const { return mask_bits(D(), hn::Le(near, far)); }
 };
 
-/// To a few roundings, and never infinite.
+/// One over a speed, to a few roundings, and never infinite.
 template <class D>
 HWY_INLINE hn::Vec<D> inverse(D lanes, hn::Vec<D> speed) {
     constexpr float kHuge = 1e18f;  // far beyond any box, yet times a box's size still finite
@@ -50,7 +50,7 @@ HWY_INLINE BoxVector in_all(float x) {
     return hn::Set(Boxes(), x);
 }
 
-/// Three numbers of each box along a vector.
+/// How long a vector is along an axis of each box.
 HWY_INLINE BoxVector along(const float (&rows)[3][OrientedBoxes::kMost], uint32_t first, const Vec3f& v) {
     const LaneVec3<BoxVector> axis = load(Boxes(), rows, first);
     return hn::MulAdd(axis.z, in_all(v.z), hn::MulAdd(axis.y, in_all(v.y), hn::Mul(axis.x, in_all(v.x))));

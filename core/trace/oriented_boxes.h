@@ -1,5 +1,5 @@
-// The boxes around instances as they are turned: what rays must meet in a leaf of the tree above the instances. Single
-// precision; what an instance is, decides later in double.
+// The boxes around instances as they are turned: what rays must meet in a leaf of the tree above the instances. They
+// are met in single precision, and padded for that.
 #pragma once
 
 #include "base/vector.h"
@@ -15,7 +15,7 @@ namespace rayleaf {
 struct OrientedBox {
     Vec3f axis[3];          ///< unit normals of the slabs
     float low[3], high[3];  ///< where the slabs are along them
-    bool is_straight;       ///< the axes are x, y and z
+    bool is_straight;       ///< the axes are x, y and z of the tree
 };
 
 /// The boxes of a leaf, in the lanes of vectors. Lanes from `count` on hold anything finite.
