@@ -83,7 +83,7 @@ struct InstanceTable {
     void build_tree(std::span<const uint8_t> open, const CancelToken& cancel);
     bool refit_tree(std::span<const uint32_t> placed);
     std::vector<uint8_t> choose_open() const;
-    std::vector<TreeItem> items_of(uint32_t instance, bool open) const;
+    void add_items(uint32_t instance, bool open, std::vector<TreeItem>& all) const;
     bool renew_items_of(uint32_t instance);
     std::vector<uint32_t> leaves_of(std::span<const uint32_t> instances_in_tree) const;
     void renew_leaf(uint32_t leaf);

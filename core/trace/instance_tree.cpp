@@ -100,19 +100,22 @@ std::vector<uint8_t> InstanceTable::choose_open() const {
     return open;
 }
 
-std::vector<TreeItem> InstanceTable::items_of(uint32_t instance, bool open) const {
-    if (!open) return {{instance}};
-    std::vector<TreeItem> all;
-    for (const ShapePart& part : records[instance].scene->parts())
-        all.push_back({instance, part.root, static_cast<int>(all.size())});
-    return all;
+/// What the tree holds of an instance.
+void InstanceTable::add_items(uint32_t instance, bool open, std::vector<TreeItem>& all) const {
+    if (!open) {
+        all.push_back({instance});
+        return;
+    }
+    int number = 0;
+    for (const ShapePart& part : records[instance].scene->parts()) all.push_back({instance, part.root, number++});
 }
 
 /// Where they were. False where that cannot be.
 bool InstanceTable::renew_items_of(uint32_t instance) {
     const bool open = is_open(instance);
     if (open && !may_be_open(records[instance])) return false;
-    const std::vector<TreeItem> all = items_of(instance, open);
+    std::vector<TreeItem> all;
+    add_items(instance, open, all);
     const std::span<const uint32_t> places = places_of(instance);
     if (all.size() != places.size()) return false;
     for (size_t i = 0; i < all.size(); ++i) {
@@ -169,8 +172,7 @@ void InstanceTable::build_tree(std::span<const uint8_t> open, const CancelToken&
     std::vector<TreeItem> all;  // instance after instance
     first_item_.assign(1, 0);
     for (uint32_t i = 0; i < instances.size(); ++i) {
-        const std::vector<TreeItem> of_one = items_of(i, open[i] != 0);
-        all.insert(all.end(), of_one.begin(), of_one.end());
+        add_items(i, open[i] != 0, all);
         first_item_.push_back(static_cast<uint32_t>(all.size()));
     }
     BoxLeaves held;

@@ -176,7 +176,7 @@ class ShapeScene {
     bool deforms() const { return deforms_; }
     /// Bounds of everything a ray can hit, local space, padded for float rays; empty for an empty shape.
     const Box3d& box() const { return box_; }
-    /// The same of another direction, where that is smaller.
+    /// The same along other axes, where that is smaller.
     const SnugBox& snug_box() const { return snug_box_; }
     /// Parts that rays can be asked to meet alone, together all of it; none: it is met as a whole.
     std::span<const ShapePart> parts() const {
@@ -249,9 +249,9 @@ class ShapeScene {
     void set_scene(EmbreeScene scene, const Box3f& box);
     /// The same of a shape that has a tree of its own.
     void set_box(const Box3f& box);
-    /// After the box: points, at all times, between which all facets lie. More than so many are not worth a look: a ray
-    /// meets few shapes of that size.
-    static constexpr size_t kMostPoints = 1 << 16;
+    /// After the box: points, at all times, between which all facets lie. Shapes of more points keep the box: what is
+    /// instanced in great numbers has few, and each is looked at a dozen times.
+    static constexpr size_t kMostPoints = 1 << 12;
     void set_points(std::span<const Vec3d> points);
     /// Parts whose boxes together hold what that box holds, not yet padded.
     void set_parts(std::vector<ShapePart> parts);

@@ -13,10 +13,6 @@ const Vec3d& extreme_point(std::span<const Vec3d> points, const Measure& measure
     return *std::ranges::max_element(points, {}, measure);
 }
 
-double distance2(const Vec3d& a, const Vec3d& b) {
-    return (a - b).dot(a - b);
-}
-
 /// Around points, along a direction, the normal of a plane that it lies in, and across both.
 SnugBox box_along(const Vec3d& direction, const Vec3d& normal, std::span<const Vec3d> points) {
     SnugBox box{Box3d()};
@@ -38,13 +34,10 @@ SnugBox::SnugBox(const Box3d& box) : low{box.min.x, box.min.y, box.min.z}, high{
 
 SnugBox::SnugBox(const Box3d& box, std::span<const Vec3d> points) : SnugBox(box) {
     if (points.empty()) return;
-    const auto from = [](const Vec3d& place) { return [&](const Vec3d& point) { return distance2(point, place); }; };
+    const auto from = [](const Vec3d& place) { return [&](const Vec3d& point) { return (point - place).length2(); }; };
     const Vec3d& a = extreme_point(points, from(box.center()));
     const Vec3d& b = extreme_point(points, from(a));
-    const Vec3d& c = extreme_point(points, [&](const Vec3d& point) {
-        const Vec3d across = (point - a).cross(b - a);
-        return across.dot(across);
-    });
+    const Vec3d& c = extreme_point(points, [&](const Vec3d& point) { return (point - a).cross(b - a).length2(); });
     const Vec3d normal = (b - a).cross(c - a);
     if (!(normal.length() > 0.0)) return;  // all on one line
     for (const Vec3d& edge : {b - a, c - a, c - b}) {
@@ -54,8 +47,7 @@ SnugBox::SnugBox(const Box3d& box, std::span<const Vec3d> points) : SnugBox(box)
 }
 
 double SnugBox::half_area() const {
-    const double x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
-    return x * y + y * z + z * x;
+    return rayleaf::half_area(Box3d(Vec3d(low[0], low[1], low[2]), Vec3d(high[0], high[1], high[2])));
 }
 
 }  // namespace rayleaf
