@@ -44,23 +44,46 @@ def pressed(key):
     times[key] = time.perf_counter()
     subprocess.Popen(["xdotool", "key", key])
 
+# The steps run in an operator. Blender forbids writing while panels are drawn, and notes so in one variable; a render that
+# begins in its own thread meanwhile puts the note back when it ends, and timers may not write from then on.
+class Driver(bpy.types.Operator):
+    bl_idname, bl_label = "wm.test_driver", "Test Driver"
+
+    def execute(self, context):
+        self.since, self.ready = time.perf_counter(), None
+        self.pause = 0.5
+        context.window_manager.event_timer_add(0.02, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "TIMER":
+            try:
+                self.step()
+            except StopIteration:
+                os._exit(0)
+            except BaseException:
+                traceback.print_exc()
+                os._exit(1)
+        return {"PASS_THROUGH"}
+
+    def step(self):
+        passed = time.perf_counter() - self.since
+        if self.ready is None:
+            if passed < self.pause:
+                return
+        elif not self.ready():
+            if passed > 30 * float(os.environ.get("RAYLEAF_PATIENCE", "1")):
+                raise TimeoutError(f"still waiting; so far {times}")
+            return
+        waits = next(self.steps)
+        self.since = time.perf_counter()
+        self.pause, self.ready = (0.0, waits) if callable(waits) else (waits, None)
+
 def drive(steps):
-    last = [time.perf_counter(), None]
-    def step():
-        try:
-            if last[1] is not None and not last[1]():
-                if time.perf_counter() - last[0] > 30 * float(os.environ.get("RAYLEAF_PATIENCE", "1")):
-                    raise TimeoutError(f"still waiting; so far {times}")
-                return 0.02
-            waits = next(steps)
-            last[:] = time.perf_counter(), waits if callable(waits) else None
-            return 0.02 if callable(waits) else waits
-        except StopIteration:
-            os._exit(0)
-        except BaseException:
-            traceback.print_exc()
-            os._exit(1)
-    bpy.app.timers.register(step, first_interval=0.5)
+    Driver.steps = steps
+    bpy.utils.register_class(Driver)
+    bpy.app.timers.register(lambda: bpy.ops.wm.test_driver() and None)
 """
 
 
