@@ -95,6 +95,8 @@ struct Affine3d {
     /// Image of a normal (a covector): the inverse transpose applied by cofactors, so it needs no inverse. Not unit.
     /// Points to the side of the mapped winding: a mirroring map reverses it.
     Vec3d normal(const Vec3d& n) const { return y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z; }
+    /// The same, but it stays on its side of the surface: a mirroring map does not reverse it.
+    Vec3d outward(const Vec3d& n) const { return determinant() < 0.0 ? -normal(n) : normal(n); }
     /// The inverse map; the linear part must be regular.
     Affine3d inverse() const {
         const double d = 1.0 / determinant();

@@ -67,24 +67,47 @@ struct UvValues {
     std::vector<int> of_corner;
 };
 
+/// Whether a face's corners go round counterclockwise on the map.
+bool is_counterclockwise(const CornerAttribute& map, size_t first, size_t size) {
+    const auto uv = [&](size_t i) {
+        const float* at = &map.values[(first + i % size) * static_cast<size_t>(map.channels)];
+        return Vec2d(at[0], at[1]);
+    };
+    double area = 0.0;
+    for (size_t i = 0; i < size; ++i) area += uv(i).cross(uv(i + 1));
+    return area > 0.0;
+}
+
+/// Corners of a vertex are joined where the map has them at one place and their faces go round alike. So a map that is
+/// folded, as of a mesh that was mirrored, has a border where it is (as in Blender).
 UvValues merged_uv(const SubdivisionCage& cage, const CornerAttribute& map) {
+    struct Known {
+        int index;
+        bool counterclockwise;
+    };
     UvValues result;
-    result.of_corner.resize(cage.corners.size());
-    std::vector<std::vector<int>> of_vertex(cage.vertices.size() / 3);  // indices so far at each vertex
-    for (size_t corner = 0; corner < cage.corners.size(); ++corner) {
-        const float* uv = &map.values[corner * static_cast<size_t>(map.channels)];
-        std::vector<int>& known = of_vertex[static_cast<size_t>(cage.corners[corner])];
-        const auto found = std::find_if(known.begin(), known.end(), [&](int index) {
-            const Vec3d& other = result.values[static_cast<size_t>(index)];
-            return std::abs(other.x - uv[0]) < kSameUv && std::abs(other.y - uv[1]) < kSameUv;
-        });
-        if (found != known.end()) {
-            result.of_corner[corner] = *found;
-            continue;
+    result.of_corner.reserve(cage.corners.size());
+    std::vector<std::vector<Known>> of_vertex(cage.vertices.size() / 3);  // so far
+    for (const int32_t face_size : cage.face_sizes) {
+        const auto size = static_cast<size_t>(face_size);
+        const size_t first = result.of_corner.size();
+        const bool counterclockwise = is_counterclockwise(map, first, size);
+        for (size_t corner = first; corner < first + size; ++corner) {
+            const float* uv = &map.values[corner * static_cast<size_t>(map.channels)];
+            std::vector<Known>& known = of_vertex[static_cast<size_t>(cage.corners[corner])];
+            const auto found = std::ranges::find_if(known, [&](const Known& each) {
+                const Vec3d& other = result.values[static_cast<size_t>(each.index)];
+                return each.counterclockwise == counterclockwise && std::abs(other.x - uv[0]) < kSameUv &&
+                       std::abs(other.y - uv[1]) < kSameUv;
+            });
+            if (found != known.end()) {
+                result.of_corner.push_back(found->index);
+                continue;
+            }
+            known.push_back({static_cast<int>(result.values.size()), counterclockwise});
+            result.of_corner.push_back(known.back().index);
+            result.values.emplace_back(uv[0], uv[1], 0.0);
         }
-        result.of_corner[corner] = static_cast<int>(result.values.size());
-        known.push_back(result.of_corner[corner]);
-        result.values.emplace_back(uv[0], uv[1], 0.0);
     }
     return result;
 }

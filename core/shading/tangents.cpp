@@ -59,7 +59,7 @@ Vec3f from_known_tangent(const ShadingInputs& inputs, const Vec4f& tangent, cons
     const Vec3d world(inputs.point->normal);
     const Vec3f normal(normalized_or(Vec3d(out.x.dot(world), out.y.dot(world), out.z.dot(world)), world));
     const Vec3f along(tangent.x, tangent.y, tangent.z), across = normal.cross(along) * tangent.w;
-    return Vec3f(out.normal(Vec3d(along * v.x + across * v.y + normal * v.z)));
+    return Vec3f(out.outward(Vec3d(along * v.x + across * v.y + normal * v.z)));
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ Vec3f tangent(const ShadingInputs& inputs, std::span<const int32_t> ints) {
     Vec3f along(known.x, known.y, known.z);
     if (is_black(along) && !ints.empty() && ints[0] >= 0) along = along_map(*inputs.point, ints[0]);
     // Cycles takes tangents into the world as it does normals.
-    if (inputs.instance != nullptr) along = Vec3f(inputs.object_to_world().normal(Vec3d(along)));
+    if (inputs.instance != nullptr) along = Vec3f(inputs.object_to_world().outward(Vec3d(along)));
     return normalized_or(along, normalized_or(inputs.point->dp_du, fallback));
 }
 
@@ -81,7 +81,7 @@ Vec3f radial_tangent(const ShadingInputs& inputs, int axis) {
     const Vec3f p = generated(inputs) - Vec3f(0.5f), normal = facing_normal(inputs);
     const Vec3f around[3] = {{0.0f, -p.z, p.y}, {-p.z, 0.0f, p.x}, {-p.y, p.x, 0.0f}};
     Vec3d along(around[axis]);
-    if (inputs.instance != nullptr) along = inputs.object_to_world().normal(along);
+    if (inputs.instance != nullptr) along = inputs.object_to_world().outward(along);
     Vec3f fallback, other;
     orthonormal_basis(normal, fallback, other);
     const Vec3f world(along);
@@ -132,7 +132,7 @@ Vec3f normal_map(NormalMapVariant variant, const ShadingInputs& inputs, std::spa
         const TangentFrame frame = tangent_frame(smooth, inputs.point->dp_du, inputs.point->dp_dv);
         coordinates = frame.tangent * coordinates.x + frame.bitangent * coordinates.y + frame.normal * coordinates.z;
     } else if (variant == NormalMapVariant::OBJECT && inputs.instance != nullptr) {
-        coordinates = Vec3f(inputs.object_to_world().normal(Vec3d(coordinates)));
+        coordinates = Vec3f(inputs.object_to_world().outward(Vec3d(coordinates)));
     }
     const Vec3f unit = normalized_or(coordinates, smooth);
     const Vec3f mapped = smooth + (unit - smooth) * std::max(strength, 0.0f);

@@ -60,6 +60,16 @@ def generated_coordinates_of_a_mirrored_mesh(scene, item, tree, shader):
 
 
 @case
+def texture_coordinates_where_a_mirrored_mesh_is_joined_and_subdivided(scene, item, tree, shader):
+    coordinates = tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(coordinates.outputs["UV"], shader.inputs["Color"])
+    item.scale, item.location.x = (0.4, 0.8, 1), -0.4  # up to the middle
+    item.modifiers.new("Mirror", "MIRROR").mirror_object = scenes.add(None, "Middle")
+    levels = item.modifiers.new("Subdivision", "SUBSURF")
+    levels.levels = levels.render_levels = 5
+
+
+@case
 def generated_coordinates_of_a_subdivided_mesh_with_its_own_space(scene, item, tree, shader):
     _show_generated(tree, shader)
     levels = item.modifiers.new("Subdivision", "SUBSURF")

@@ -80,12 +80,13 @@ def paint(mesh):
     mesh.color_attributes.active_color_index = mesh.color_attributes.render_color_index = 0
 
 
-def ball(x, y, index, material):
-    """An ellipsoid at the middle of a square, turned; smooth, with two UV maps and a colour of its own."""
+def ball(x, y, index, material, side):
+    """An ellipsoid at the middle of a square, turned, mirrored where `side` is -1; smooth, with two UV maps and a colour of
+    its own."""
     bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12, radius=1, location=(x, y, 0.1))
     item = bpy.context.object
     item.name = f"Ball {index:04}"
-    item.rotation_euler, item.scale = (0.4, 0.3, 0.9), (0.42, 0.36, 0.45)
+    item.rotation_euler, item.scale = (0.4, 0.3, 0.9), (0.42 * side, 0.36, 0.45)
     bpy.ops.object.shade_smooth()
     item.color, item.pass_index = (0.2, 0.5, 0.7, 0.4), 3
     item["weight"], item["tint"] = 0.625, (0.25, 0.5, 0.75)
@@ -136,14 +137,14 @@ def compared_nodes():
     return {case.name: [described(build_material(case)[1])] for case in CASES}
 
 
-def main(folder):
+def compare(folder, side):
     """Render both; the differences by case."""
     columns = math.ceil(math.sqrt(len(CASES)))
     rows = math.ceil(len(CASES) / columns)
     scene = set_up(columns, rows)
     make_image()
     for i, case in enumerate(CASES):
-        ball(i % columns + 0.5, i // columns + 0.5, i, build_material(case)[0])
+        ball(i % columns + 0.5, i // columns + 0.5, i, build_material(case)[0], side)
     # What shines would light the rest, by chance.
     pictures = {engine: 0.0 for engine in ("CYCLES", "RAYLEAF")}
     for lit in (False, True):
@@ -169,4 +170,4 @@ def main(folder):
 
 if __name__ == "__main__":
     report = globals()["report"]  # given by the test
-    report(**main(Path(sys.argv[1])), nodes=compared_nodes())
+    report(plain=compare(Path(sys.argv[1]), 1), mirrored=compare(Path(sys.argv[1]), -1), nodes=compared_nodes())

@@ -50,8 +50,7 @@ class Driver(bpy.types.Operator):
     bl_idname, bl_label = "wm.test_driver", "Test Driver"
 
     def execute(self, context):
-        self.since, self.ready = time.perf_counter(), None
-        self.pause = 0.5
+        self.since, self.pause, self.ready = time.perf_counter(), 0.5, None
         context.window_manager.event_timer_add(0.02, window=context.window)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -73,9 +72,9 @@ class Driver(bpy.types.Operator):
             if passed < self.pause:
                 return
         elif not self.ready():
-            if passed > 30 * float(os.environ.get("RAYLEAF_PATIENCE", "1")):
-                raise TimeoutError(f"still waiting; so far {times}")
-            return
+            if passed < 30 * float(os.environ.get("RAYLEAF_PATIENCE", "1")):
+                return
+            raise TimeoutError(f"still waiting; so far {times}")
         waits = next(self.steps)
         self.since = time.perf_counter()
         self.pause, self.ready = (0.0, waits) if callable(waits) else (waits, None)

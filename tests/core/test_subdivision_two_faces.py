@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from core import subdivision_cages as cages
+from core.shapes import unit
 from core.subdivision_cages import FOREVER, Cage
 from core.test_subdivision_limit import at_places, object_space
 from rayleaf import _core
@@ -94,27 +95,49 @@ def test_derivatives_are_those_of_differences(name):
         np.testing.assert_allclose(here[:, first], difference[:, 0], atol=2e-7)
 
 
-def texture_coordinates(cage, seam):
-    """Each corner's vertex in the plane; faces beyond the first are moved away at their vertices of the seam."""
-    flat = np.concatenate([cage.vertices[face, :2] for face in cage.faces])
-    if seam:
-        second = len(cage.faces[0])
-        flat[second:] += np.where(np.isin(np.concatenate(cage.faces[1:]), seam), 3.0, 0.0)[:, None]
-    return flat.astype(np.float32)
+def unfolded(cage, seam):
+    """Each corner's vertex in the plane, the second face turned over on the edge from vertex 0 to 3; it is moved away at its
+    vertices of the seam."""
+    first, second = (np.array(cage.vertices[face, :2]) for face in cage.faces)
+    origin, along = cage.vertices[0, :2], unit(cage.vertices[3, :2] - cage.vertices[0, :2])
+    from_edge = second - origin
+    second = origin + 2 * np.outer(from_edge @ along, along) - from_edge
+    second[np.isin(cage.faces[1], seam), 1] += 3.0  # its corners still go round the same way
+    return np.concatenate([first, second]).astype(np.float32)
 
 
-@pytest.mark.parametrize("smoothing", ["NONE", "PRESERVE_CORNERS", "PRESERVE_BOUNDARIES", "SMOOTH_ALL"])
-@pytest.mark.parametrize("seam", [(), (1,), (1, 2), (0, 1, 2, 3)])
-def test_texture_coordinates_join_where_their_corners_do(smoothing, seam):
-    cage = CASES["a pillow"]
-    surface = cage.surface(uv_maps={0: texture_coordinates(cage, seam)}, uv=0, uv_smoothing=smoothing)
+SMOOTHINGS = ["NONE", "PRESERVE_CORNERS", "PRESERVE_BOUNDARIES", "SMOOTH_ALL"]
+
+
+def on_the_border(cage, coordinates, smoothing):
+    """Those of both faces from vertex 0 to vertex 3: their border v = 0; the second begins at vertex 3. And the surface."""
+    surface = cage.surface(uv_maps={0: coordinates}, uv=0, uv_smoothing=smoothing)
     t = np.linspace(0, 1, 65)
-    # From vertex 0 to vertex 3: the border v = 0 of both faces, the second of which begins at vertex 3.
     first = surface.values(0, np.zeros(65, np.int32), np.stack([t, 0 * t], axis=1))[:, :2]
     second = surface.values(0, np.ones(65, np.int32), np.stack([1 - t, 0 * t], axis=1))[:, :2]
-    np.testing.assert_allclose(second - first, 3.0 if 0 in seam else 0.0, atol=1e-6)
+    return first, second, surface
+
+
+@pytest.mark.parametrize("smoothing", SMOOTHINGS)
+@pytest.mark.parametrize("seam", [(), (1, 2)])
+def test_texture_coordinates_join_where_their_corners_do(smoothing, seam):
+    first, second, surface = on_the_border(CASES["a pillow"], unfolded(CASES["a pillow"], seam), smoothing)
+    np.testing.assert_allclose(second, first, atol=1e-6)
     inside = surface.values(0, np.zeros(2, np.int32), np.array([[0.5 - 1e-9, 0.2], [0.5, 0.2]]))
     np.testing.assert_allclose(inside[0], inside[1], atol=1e-6)
+
+
+@pytest.mark.parametrize("smoothing", SMOOTHINGS)
+def test_a_folded_map_has_a_border_where_it_is_folded(smoothing):
+    cage = CASES["a pillow"]
+    folded_map = np.concatenate([cage.vertices[face, :2] for face in cage.faces]).astype(np.float32)
+    apart = folded_map + np.repeat([0.0, 3.0], 4)[:, None].astype(np.float32)
+    first, second, _ = on_the_border(cage, folded_map, smoothing)
+    alone, away, _ = on_the_border(cage, apart, smoothing)
+    np.testing.assert_allclose(first, alone, atol=1e-6)
+    np.testing.assert_allclose(second, away - 3.0, atol=1e-6)
+    if smoothing == "PRESERVE_CORNERS":  # so borders of four corners stay where they are
+        np.testing.assert_allclose(first[[0, -1]], cage.vertices[[0, 3], :2], atol=1e-6)
 
 
 DRAWN = """
