@@ -75,7 +75,7 @@ void add_specular(const Parameters& p, const Color& weight, Closures& closures) 
     lobe.ior = index_of(p.specular);
     const Color dielectric =
         mixed(Color(1.0f), tint(p.base_color, Color(0.3f, 0.6f, 0.1f)), p.specular_tint) * (0.08f * p.specular);
-    lobe.fresnel_0 = mixed(dielectric, p.base_color, p.metallic);
+    lobe.fresnel_0 = saturate(mixed(dielectric, p.base_color, p.metallic));
     if (p.multiple_scattering) {
         const float even = even_alpha(lobe.alpha_x, lobe.alpha_y);
         const float albedo = ggx_reflection_albedo(even, std::max(p.normal.dot(p.outgoing), 0.0f));
@@ -89,7 +89,7 @@ void add_transmission(const Parameters& p, const Color& weight, Closures& closur
     const float cosine = std::max(p.normal.dot(p.outgoing), 0.0f);
     const Color scale =
         p.multiple_scattering ? energy_compensation(Color(1.0f), ggx_glass_albedo(alpha, cosine, p.ior)) : Color(1.0f);
-    const Color reflection_color = mixed(Color(1.0f), p.base_color, p.specular_tint);
+    const Color reflection_color = saturate(mixed(Color(1.0f), p.base_color, p.specular_tint));
     Lobe lobe = lobe_of(LobeType::Glass, LobeKind::Transmission, p, weight * reflection_color * scale);
     lobe.alpha_x = lobe.alpha_y = alpha;
     lobe.fresnel = Lobe::Fresnel::Dielectric;

@@ -48,6 +48,26 @@ CASES["muted mix"] = muted("ShaderNodeMixRGB", 0, "Color")
 CASES["reroute"] = muted("NodeReroute", 0, "Color")
 
 
+def shader_as(name, past=None):
+    """A case: another shader is linked to a value of the shader, which is its own then; past a node that passes it on."""
+
+    def change(scene, item, tree, shader):
+        shader.inputs["Color"].default_value, shader.inputs["Strength"].default_value = (0.2, 0.3, 0.7, 1), 0.4
+        output = tree.nodes.new("ShaderNodeBsdfDiffuse").outputs[0]
+        if past is not None:
+            node = tree.nodes.new(past)
+            tree.links.new(output, node.inputs[0])
+            output = node.outputs[0]
+        tree.links.new(output, shader.inputs[name])
+
+    return change
+
+
+CASES["shader as a colour"] = shader_as("Color")
+CASES["shader as a number"] = shader_as("Strength")
+CASES["shader as a colour past a reroute"] = shader_as("Color", "NodeReroute")
+
+
 def vector_from(make):
     """A case: a node whose input nothing is linked to feeds a texture's vector."""
 

@@ -87,21 +87,30 @@ class Links:
         return None
 
     def feeding(self, socket: Any, path: Path) -> Any:
-        """The link into an input; None too where it leads to nothing but an input that nothing is linked to, if in Cycles
-        the first then has its own value."""
+        """The link into an input of a value; None too where in Cycles the input has its own value although it is linked: to
+        nothing but an input that nothing is linked to, or to a shader."""
         first = link = self.into(socket)
         seen: set[Any] = set()
         while link is not None:
             key = key_of(link.from_socket, path)
             forward = None if key in seen else self.forward(link.from_socket, path)
             if forward is None:
-                return first
+                return None if self._is_shader(link, socket) else first
             seen.add(key)
             node, (inner, path) = link.from_node, forward
             link = None if inner is None else self.into(inner)
             if link is None:
                 return first if _passes_on(node, inner, socket) else None
         return None
+
+    def _is_shader(self, link: Any, asked: Any) -> bool:
+        if link.from_socket.type != "SHADER" or asked.type == "SHADER":
+            return False
+        self._warn(
+            asked.node,
+            f"its input {text_of(asked, 'name')} is linked to a shader, which has no value; the link is ignored",
+        )
+        return True
 
 
 def _passes_on(node: Any, unlinked: Any, asked: Any) -> bool:
