@@ -123,6 +123,10 @@ def _shaders() -> list[Case]:
         inputs = {"Metallic": 1.0, "Roughness": 0.5, "Anisotropic": anisotropic, "Anisotropic Rotation": rotation}
         inputs |= {"Tangent": tangent} if tangent else {}
         found.append(Case("ShaderNodeBsdfPrincipled", {"distribution": "GGX"}, inputs))
+    # Brighter than white, as nodes may make it: a metal reflects no more than all.
+    for more in ({"Metallic": 1.0}, {"Metallic": 0.6}):
+        inputs = {**more, "Roughness": 0.7, "Base Color": (0.4, 2.0, 0.1, 1)}
+        found.append(Case("ShaderNodeBsdfPrincipled", {"distribution": "GGX"}, inputs))
     return found
 
 
