@@ -32,6 +32,11 @@ ParameterSlopes weight_slopes(const Vec2f& uv0, const Vec2f& uv1, const Vec2f& u
         .value_or(ParameterSlopes{kNoCoordinates, kNoCoordinates});
 }
 
+/// Of a triangle's corner normals; not unit.
+Vec3f mean_normal(const std::array<Vec3f, 3>& normals, const LocalHit& hit) {
+    return normals[0] * (1.0f - hit.u - hit.v) + normals[1] * hit.u + normals[2] * hit.v;
+}
+
 }  // namespace
 
 TriangleMesh::TriangleMesh(TriangleMeshArrays arrays)
@@ -130,6 +135,11 @@ FacetCorners TriangleMesh::moved_corners(uint32_t triangle, float time) const {
     return mixed(corners_at(triangle, step.first), corners_at(triangle, step.first + 1), step.share);
 }
 
+float TriangleMesh::normal_length(const LocalHit& hit) const {
+    if (corner_normals_.empty()) return 1.0f;
+    return mean_normal(normals_at(hit.primitive, hit.time), hit).length();
+}
+
 std::array<Vec3f, 3> TriangleMesh::normals_at(uint32_t triangle, float time) const {
     const auto at = [&](size_t step) { return &corner_normals_[3 * (step * triangles_.size() + triangle)]; };
     const Vec3f* normals = at(0);
@@ -166,7 +176,7 @@ LocalSurface TriangleMesh::surface(const LocalHit& hit) const {
     if (corner_normals_.empty()) return result;
 
     const std::array<Vec3f, 3> normals = normals_at(hit.primitive, hit.time);
-    const Vec3f sum = normals[0] * (1.0f - hit.u - hit.v) + normals[1] * hit.u + normals[2] * hit.v;
+    const Vec3f sum = mean_normal(normals, hit);
     Vec3f normal = normalized_or(sum, facet_normal);
     const float side = normal.dot(facet_normal) < 0.0f ? -1.0f : 1.0f;
     normal *= side;
@@ -187,8 +197,7 @@ LocalSurface TriangleMesh::surface(const LocalHit& hit) const {
 Vec3d TriangleMesh::rise(const LocalHit& hit) const {
     if (corner_normals_.empty()) return Vec3d(0.0);
     const std::array<Vec3f, 3> normals = normals_at(hit.primitive, hit.time);
-    const Vec3f sum = normals[0] * (1.0f - hit.u - hit.v) + normals[1] * hit.u + normals[2] * hit.v;
-    return Vec3d(normalized_or(sum, Vec3f(0.0f))) *
+    return Vec3d(normalized_or(mean_normal(normals, hit), Vec3f(0.0f))) *
            facet_rise(corners(hit.primitive, hit.time), normals, double{hit.u}, double{hit.v});
 }
 

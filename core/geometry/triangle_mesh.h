@@ -75,6 +75,8 @@ class TriangleMesh final : public Shape {
     const std::vector<std::array<uint32_t, 3>>& triangles() const { return triangles_; }
     /// False if every triangle shows its own flat normal.
     bool is_smooth() const { return !corner_normals_.empty(); }
+    /// Of the mean of a triangle's unit corner normals at a hit: below 1 where they differ.
+    float normal_length(const LocalHit& hit) const;
     /// At a time of the shutter.
     FacetCorners corners(uint32_t triangle, float time = kMiddleTime) const {
         return deforms() ? moved_corners(triangle, time) : corners_at(triangle, 0);

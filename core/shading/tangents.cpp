@@ -52,12 +52,20 @@ TangentFrame tangent_frame(const Vec3f& normal, const Vec3f& dp_du, const Vec3f&
     return {t, b, normal};
 }
 
+/// How long the normal is beside tangents that are means of a triangle's corners: as Cycles, which takes the mean of
+/// its normals.
+float length_of_normal(const SurfacePoint& point) {
+    if (point.shape == nullptr || point.shape->kind() != ShapeKind::TriangleMesh) return 1.0f;
+    return static_cast<const TriangleMesh&>(*point.shape).normal_length(point.local);
+}
+
 /// `v` along a tangent of the object's space, the bitangent on the side given by its w, and the normal; world, not
 /// unit.
 Vec3f from_known_tangent(const ShadingInputs& inputs, const Vec4f& tangent, const Vec3f& v) {
     const Affine3d out = inputs.object_to_world();
     const Vec3d world(inputs.point->normal);
-    const Vec3f normal(normalized_or(Vec3d(out.x.dot(world), out.y.dot(world), out.z.dot(world)), world));
+    const Vec3f unit(normalized_or(Vec3d(out.x.dot(world), out.y.dot(world), out.z.dot(world)), world));
+    const Vec3f normal = unit * length_of_normal(*inputs.point);
     const Vec3f along(tangent.x, tangent.y, tangent.z), across = normal.cross(along) * tangent.w;
     return Vec3f(out.outward(Vec3d(along * v.x + across * v.y + normal * v.z)));
 }

@@ -70,6 +70,21 @@ def texture_coordinates_where_a_mirrored_mesh_is_joined_and_subdivided(scene, it
 
 
 @case
+def normal_map_on_faces_of_seven_corners(scene, item, tree, shader):
+    nodes = tree.nodes
+    bent, shifted = nodes.new("ShaderNodeNormalMap"), nodes.new("ShaderNodeVectorMath")
+    bent.inputs["Color"].default_value = (0.8, 0.65, 0.9, 1)
+    shifted.operation = "ADD"
+    shifted.inputs[1].default_value = (1, 1, 1)
+    tree.links.new(bent.outputs[0], shifted.inputs[0])
+    tree.links.new(shifted.outputs[0], shader.inputs["Color"])
+    item.hide_render = True
+    bpy.ops.mesh.primitive_cylinder_add(vertices=7, radius=0.8, depth=0.6, rotation=(0.5, 0.3, 0))
+    bpy.ops.object.shade_smooth()
+    bpy.context.object.data.materials.append(item.data.materials[0])
+
+
+@case
 def generated_coordinates_of_a_subdivided_mesh_with_its_own_space(scene, item, tree, shader):
     _show_generated(tree, shader)
     levels = item.modifiers.new("Subdivision", "SUBSURF")

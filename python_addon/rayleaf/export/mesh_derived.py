@@ -5,7 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import versions
 from ..names import find, name_of
+from .corner_tangents import corner_tangents, unit
 from .random_numbers import random_of_words
 
 Floats = NDArray[np.float32]
@@ -31,11 +33,6 @@ def _vectors(collection: Any, name: str) -> NDArray[np.float64]:
     return values.reshape(-1, 3).astype(np.float64)
 
 
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
-
-
 def pointiness(mesh: Any) -> Floats:
     """(vertices,): 0.5 where flat, more on ridges; the mean angle of the normal with the edges, blurred once. Vertices at one
     place are one."""
@@ -46,12 +43,12 @@ def pointiness(mesh: Any) -> Floats:
     np.add.at(normals, welded, _vectors(mesh.vertices, "normal"))
     place[welded] = places
     ends = np.unique(np.sort(welded[edges(mesh)], axis=1), axis=0)
-    along = _unit(place[ends[:, 1]] - place[ends[:, 0]])
+    along = unit(place[ends[:, 1]] - place[ends[:, 0]])
     total, meeting = np.zeros((count, 3)), np.bincount(ends.ravel(), minlength=count)
     np.add.at(total, ends[:, 0], along)
     np.add.at(total, ends[:, 1], -along)
     mean = total / np.maximum(meeting, 1)[:, None]
-    angle = np.arccos(np.clip(np.einsum("ij,ij->i", _unit(normals), mean), -1.0, 1.0)) / np.pi
+    angle = np.arccos(np.clip(np.einsum("ij,ij->i", unit(normals), mean), -1.0, 1.0)) / np.pi
     raw = np.where(meeting > 0, angle, 0.0)
     blurred = raw.copy()
     np.add.at(blurred, ends[:, 0], raw[ends[:, 1]])
@@ -96,12 +93,15 @@ def rest_moves(mesh: Any) -> Floats | None:
 
 
 def tangents(mesh: Any, uv_map: str) -> Floats | None:
-    """(loops, 4): Blender's tangents along a UV map, object space, and on which side the bitangent lies. None without the
-    map, or where faces have more than four corners: Blender has none for those."""
+    """(loops, 4): tangents along a UV map, object space, and on which side the bitangent lies. None without the map."""
     active = next((each for each in mesh.uv_layers if each.active_render), None)
     layer = find(mesh.uv_layers, uv_map) if uv_map else active
     if layer is None:
         return None
+    sizes = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    if sizes.max(initial=0) > 4:  # Blender has none
+        return corner_tangents(mesh, versions.uv_map(layer, len(mesh.loops)))
     try:
         mesh.calc_tangents(uvmap=name_of(layer))
     except (RuntimeError, UnicodeError):

@@ -1,0 +1,71 @@
+"""Tangents of meshes whose faces have any number of corners, from their triangles, as Cycles has them: M. Mikkelsen,
+*Simulation of Wrinkled Surfaces Revisited*, 2008, chapter 3. Corners are joined where place, normal and texture coordinate
+are the same; he asks also that their triangles share edges.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .corner_normals import corner_normals
+
+Floats = NDArray[np.float32]
+Doubles = NDArray[np.float64]
+
+
+def unit(vectors: Doubles) -> Doubles:
+    """Of the same directions, along the last axis; zero stays."""
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0.0)
+
+
+def _on_plane(vectors: Doubles, normals: Doubles) -> Doubles:
+    """Unit, without what they have of the normals."""
+    return unit(vectors - normals * np.sum(vectors * normals, axis=-1, keepdims=True))
+
+
+def _angles(places: Doubles, normals: Doubles) -> Doubles:
+    """(triangles, 3): of the triangle at its corners, as it lies on the plane of the normal there."""
+    to_next = _on_plane(np.roll(places, -1, axis=1) - places, normals)
+    to_last = _on_plane(np.roll(places, 1, axis=1) - places, normals)
+    return np.arccos(np.clip(np.sum(to_next * to_last, axis=-1), -1.0, 1.0))
+
+
+def _groups(*parts: Floats) -> NDArray[np.int64]:
+    """The number of each row among those that are equal in all parts."""
+    rows = np.ascontiguousarray(np.concatenate(parts, axis=1) + np.float32(0.0))  # -0 is 0
+    _, groups = np.unique(rows.view(np.dtype((np.void, rows.shape[1] * 4))).ravel(), return_inverse=True)
+    return groups
+
+
+def corner_tangents(mesh: Any, uv: Floats) -> Floats:
+    """(loops, 4): unit tangents along texture coordinates (loops, 2), object space, and on which side the bitangent lies. Zero
+    where these do not determine any."""
+    mesh.calc_loop_triangles()
+    corners = np.empty(len(mesh.loop_triangles) * 3, np.int32)
+    mesh.loop_triangles.foreach_get("loops", corners)
+    vertices, co = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.loops.foreach_get("vertex_index", vertices)
+    mesh.vertices.foreach_get("co", co)
+    places, normals, maps = co.reshape(-1, 3)[vertices[corners]], corner_normals(mesh)[corners], uv[corners]
+    p, n, m = (each.astype(np.float64).reshape(-1, 3, each.shape[1]) for each in (places, normals, maps))
+
+    edges, steps = p[:, 1:] - p[:, :1], m[:, 1:] - m[:, :1]
+    determinants = steps[:, 0, 0] * steps[:, 1, 1] - steps[:, 0, 1] * steps[:, 1, 0]
+    sides = np.where(determinants < 0.0, -1.0, 1.0)[:, None]
+    along = unit((edges[:, 0] * steps[:, 1, 1:] - edges[:, 1] * steps[:, 0, 1:]) * sides)
+    along[determinants == 0.0] = 0.0
+    parts = (_on_plane(along[:, None], n) * _angles(p, n)[..., None]).reshape(-1, 3)
+
+    side_of_corner = np.repeat(sides.astype(np.float32), 3, axis=0)
+    groups = _groups(places, normals, maps, side_of_corner)
+    sums = np.stack([np.bincount(groups, parts[:, axis]) for axis in range(3)], axis=1).astype(np.float64)
+    tangents = unit(sums)[groups]
+
+    result = np.zeros((len(mesh.loops), 4), np.float32)
+    # Of a corner of several triangles the last counts: those that have no tangent come first.
+    order = np.argsort(np.any(tangents != 0.0, axis=1), kind="stable")
+    result[corners[order], :3] = tangents[order]
+    result[corners[order], 3:] = side_of_corner[order]
+    return result
