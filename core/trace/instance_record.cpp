@@ -47,9 +47,11 @@ bool InstanceRecord::try_place(const Shape& shape, const Affine3d& object_to_wor
     shear = 0.0;
     for (int axis = 0; axis < 3; ++axis)
         shear += lengths[axis] * Vec3d(to_local.x[axis], to_local.y[axis], to_local.z[axis]).length();
-    normal_x = local_to_world.outward({1, 0, 0});
-    normal_y = local_to_world.outward({0, 1, 0});
-    normal_z = local_to_world.outward({0, 0, 1});
+    // A map that mirrors turns the winding.
+    const double turned = local_to_world.determinant() < 0.0 ? -1.0 : 1.0;
+    normal_x = local_to_world.normal({1, 0, 0}) * turned;
+    normal_y = local_to_world.normal({0, 1, 0}) * turned;
+    normal_z = local_to_world.normal({0, 0, 1}) * turned;
     return true;
 }
 

@@ -38,5 +38,5 @@ def test_nodes_and_shaders_on_surfaces_give_what_cycles_gives(run_blender, tmp_p
                 keep_comparison("surfaces", name, run.report["nodes"][name], allowed, median, bound)
             if allowed > bound:
                 values = run.report[kind]["ranges"][name]
-                wrong[f"{kind}: {name}"] = {"median": median, "95 %": allowed, "range": values}
+                wrong[f"{kind}: {name}"] = {"median": median, f"{1 - share:.0%}": allowed, "range": values}
     assert wrong == {}

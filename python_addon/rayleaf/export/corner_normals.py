@@ -18,13 +18,14 @@ def corner_normals(mesh: Any, corners: Ints | None = None) -> Floats:
     """(corners, 3): the normals that Blender shades with, sharp edges, flat faces and custom normals respected. `corners`: the
     vertices of all, if they are known."""
     if not hasattr(mesh, "corner_normals"):  # before 4.1
-        return _corner_normals_by_vertices(mesh, _vertices_of(mesh) if corners is None else corners)
+        return _corner_normals_by_vertices(mesh, vertices_of(mesh) if corners is None else corners)
     normals = np.empty((len(mesh.loops), 3), np.float32)
     mesh.corner_normals.foreach_get("vector", normals.ravel())
     return normals
 
 
-def _vertices_of(mesh: Any) -> Ints:
+def vertices_of(mesh: Any) -> Ints:
+    """(corners,): the vertices of all."""
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
     return corners

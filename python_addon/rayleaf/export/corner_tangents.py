@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .corner_normals import corner_normals
+from .corner_normals import corner_normals, vertices_of
 
 Floats = NDArray[np.float32]
 Vectors = TypeVar("Vectors", NDArray[np.float32], NDArray[np.float64])
@@ -50,10 +50,9 @@ def corner_tangents(mesh: Any, uv: Floats) -> Floats:
     mesh.calc_loop_triangles()
     corners = np.empty(len(mesh.loop_triangles) * 3, np.int32)
     mesh.loop_triangles.foreach_get("loops", corners)
-    vertices, co = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.vertices) * 3, np.float32)
-    mesh.loops.foreach_get("vertex_index", vertices)
+    vertices, co = vertices_of(mesh), np.empty(len(mesh.vertices) * 3, np.float32)
     mesh.vertices.foreach_get("co", co)
-    places, normals, maps = co.reshape(-1, 3)[vertices[corners]], corner_normals(mesh)[corners], uv[corners]
+    places, normals, maps = co.reshape(-1, 3)[vertices[corners]], corner_normals(mesh, vertices)[corners], uv[corners]
     p, n, m = (each.reshape(-1, 3, each.shape[1]) for each in (places, normals, maps))
 
     edges, steps = np.subtract(p[:, 1:], p[:, :1], dtype=np.float64), np.subtract(m[:, 1:], m[:, :1], dtype=np.float64)

@@ -95,7 +95,7 @@ class Links:
             key = key_of(link.from_socket, path)
             forward = None if key in seen else self.forward(link.from_socket, path)
             if forward is None:
-                return None if self._is_shader(link, socket) else first
+                return None if self._ignores_shader(link, socket) else first
             seen.add(key)
             node, (inner, path) = link.from_node, forward
             link = None if inner is None else self.into(inner)
@@ -103,7 +103,8 @@ class Links:
                 return first if _passes_on(node, inner, socket) else None
         return None
 
-    def _is_shader(self, link: Any, asked: Any) -> bool:
+    def _ignores_shader(self, link: Any, asked: Any) -> bool:
+        """Whether an input of a value is linked to a shader; then the user is told."""
         if link.from_socket.type != "SHADER" or asked.type == "SHADER":
             return False
         self._warn(
