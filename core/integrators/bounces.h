@@ -35,9 +35,12 @@ class Bounces {
         return is_last_ || state_.depth >= settings_.max_bounces || state_.volume_depth >= settings_.volume_bounces;
     }
     int count() const { return state_.depth; }
+    /// Whether nothing but mirrors, clear glass and what is transparent lies between here and the camera.
+    bool is_sharp() const { return least_density_ == std::numeric_limits<float>::infinity(); }
     /// The kind of ray now under way.
     Visibility ray_kind() const { return in_footage_ ? in_footage(ray_kind_) : ray_kind_; }
     Visibility kind_of_shadow_ray() const { return in_footage_ ? in_footage(kVisibleShadow) : kVisibleShadow; }
+    Visibility kind_of_mirrored_ray() const { return in_footage_ ? in_footage(kVisibleGlossy) : kVisibleGlossy; }
     /// Lobes as this path sees them. One that has been scattered widely finds a narrow lobe by chance, and then brings
     /// much light: such lobes are made wider, and those that make caustics are dropped, as the settings say. Cycles'
     /// filter_glossy and caustics switches.

@@ -4,6 +4,7 @@
 #include "integrators/blocked_light.h"
 #include "integrators/first_surface.h"
 #include "integrators/glass_path.h"
+#include "integrators/glints.h"
 #include "integrators/ray_passes.h"
 #include "integrators/scattered_differential.h"
 #include "integrators/shadow.h"
@@ -85,6 +86,7 @@ bool PathTracer::look(Vertex& vertex, const Vec2f& random, std::vector<LightQuer
 bool PathTracer::leave(Vertex& vertex, const Vec2f& random, std::span<LightQuery> lights,
                        std::vector<LightRay>& light_rays) {
     vertex.look();
+    find_glints(scene_, bounces_, vertex, counts_);
     add_lights(vertex, lights, light_rays);
     const bool goes_on = go_on(vertex, random, light_rays);
     ++vertex_;
@@ -283,21 +285,23 @@ void PathTracer::record_surface(const Vertex& vertex) {
                       ambient_occlusion(scene_, settings_, vertex, {1, sampler_, use, widening()}));
 }
 
-float PathTracer::straight_probability(const Closures& closures) const {
+float PathTracer::straight_probability(const Vertex& vertex) const {
     /// How much light scattered rays find beside a ray that goes straight on, in the mean: lamps are seen by that, but
     /// sampled for these, unless a mirror scatters them.
     constexpr float kScatteredLight = 0.5f;
+    const Closures& closures = vertex.closures;
     const float straight = average(closures.transparency);
     if (!(straight > 0.0f)) return 0.0f;
     if (bounces_.is_last()) return 1.0f;
     float scattered = 0.0f;
     for (int i = 0; i < closures.size(); ++i)
-        scattered += average(closures[i].weight) * (is_singular(closures[i]) ? 1.0f : kScatteredLight);
+        scattered += average(closures[i].weight) * (is_singular(closures[i]) ? 1.0f : kScatteredLight) +
+                     glint_weight(closures[i], vertex.view.lobes[i]);
     return straight / (straight + scattered);
 }
 
 bool PathTracer::go_on(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
-    const float straight = straight_probability(vertex.closures);
+    const float straight = straight_probability(vertex);
     if (straight >= 1.0f || (straight > 0.0f && this->random(PathDimension::Transparency) < straight))
         return pass_through(vertex, straight);
     if (bounces_.is_last() || vertex.closures.size() == 0) return false;

@@ -238,7 +238,7 @@ class alignas(64) PathTracer {  // begins with a line of the cache
     /// Light that enters the body at the vertex: lit and scattered on where it leaves.
     bool scatter_below(const Vertex& vertex, const LobeSample& entry, std::vector<LightRay>& light_rays);
     bool survives_roulette();
-    float straight_probability(const Closures& closures) const;
+    float straight_probability(const Vertex& vertex) const;
     void catch_light();
     void divide_by_catchers();
 };

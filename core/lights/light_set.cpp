@@ -165,6 +165,37 @@ bool LightSet::may_meet_lamps(const Ray& ray, double end) const {
             std::ranges::any_of(set.suns, [&](const DistantLamp& lamp) { return lamp.sun.is_met(ray); }));
 }
 
+float LightSet::brightness_along(const Ray& ray, Visibility kind, const PathState& path) const {
+    const Implementation& set = *implementation_;
+    constexpr double kNowhere = std::numeric_limits<double>::infinity();
+    bool may_end_on_surface = false;
+    double far = 0, lamp_end = kNowhere, of_lamp = 0;
+    const auto brightness = [](const LampTraits& lamp, const LampIntersection& hit) {
+        return double{max_component(hit.radiance)} * lamp.factor;
+    };
+    for (const DistantLamp& lamp : set.suns)
+        if (const auto hit = lamp.sun.hit(ray); hit && (lamp.traits.visibility & kind))
+            far = std::max(far, brightness(lamp.traits, *hit));
+    if (set.world && (set.world_visibility & kind))  // a density of what makes the irradiance all around
+        far = std::max(far, set.world->density(Vec3f(ray.direction)) * 4.0 * set.world->irradiance());
+    set.tree.visit_crossed(ray, kNowhere, [&](uint32_t item) {
+        if (item >= set.lamps.size()) {
+            may_end_on_surface = may_end_on_surface || set.tree.is_crossed(item, ray);
+            return;
+        }
+        const PlacedLamp& lamp = set.lamps[item];
+        if (!(lamp.traits.visibility & kind) || !lamp.has_size()) return;
+        const auto hit = lamp.hit(ray, lamp_end, ray.origin);
+        if (!hit || !(hit->t < lamp_end)) return;
+        lamp_end = hit->t;
+        of_lamp = brightness(lamp.traits, *hit);
+    });
+    if (!may_end_on_surface && !(far > 0) && !(of_lamp > 0)) return 0.0f;
+    const Maybe<Hit> hit = set.surfaces.tracer().closest_hit(ray, kind);
+    if (lamp_end < (hit ? hit->t : kNowhere)) return static_cast<float>(of_lamp);
+    return hit ? set.surfaces.brightness(ray, *hit, path) : static_cast<float>(far);
+}
+
 bool LightSet::has_links() const {
     return implementation_->has_links;
 }

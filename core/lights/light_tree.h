@@ -21,6 +21,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -92,6 +93,13 @@ class LightTree {
         if (nodes_.empty()) return false;
         // Most rays come from places amid the lights and cross the bounds of all.
         return is_single() ? test(0) : any_crossed_below(nodes_.front(), ray, end, test);
+    }
+
+    /// Whether a ray crosses the sphere about the box of a light.
+    bool is_crossed(uint32_t item, const Ray& ray) const {
+        const Place& place = place_of_item_[item];
+        return may_cross(nodes_[branches_[place.branch].node[place.lane]], ray,
+                         std::numeric_limits<double>::infinity());
     }
 
     size_t bytes() const;

@@ -343,6 +343,17 @@ double SurfaceLights::density(const Vec3d& from, const SurfacePoint& point) cons
     return density_at(offset, offset.length(), area_at(local_to_world, shape, chosen));
 }
 
+float SurfaceLights::brightness(const Ray& ray, const Hit& hit, PathState path) const {
+    if (hit.instance >= table_of_instance_.size() || table_of_instance_[hit.instance] < 0) return 0.0f;
+    if (const Color* even = even_emission_(hit.instance, hit.local)) return max_component(*even);
+    const SurfacePoint point = tracer_.surface_point(hit.instance, hit.local, ray.time);
+    path.ray_length = static_cast<float>(hit.t);
+    const EmitterPoint seen{&point, -Vec3f(ray.direction), path};
+    Color radiance;
+    emission_({&seen, 1}, &radiance);
+    return max_component(radiance);
+}
+
 std::optional<uint32_t> SurfaceLights::item_of(const SurfacePoint& point) const {
     if (point.instance >= table_of_instance_.size()) return std::nullopt;
     const int32_t table = table_of_instance_[point.instance];

@@ -35,6 +35,9 @@ class SurfaceLights {
     uint16_t visibility(uint32_t item) const;
     uint32_t instance(uint32_t item) const { return elements_[item].instance; }
     LightLink link(uint32_t item) const { return links_.empty() ? LightLink() : links_[table_of(item)]; }
+    /// Of what a hit emits back along its ray, the largest component; 0 where its object is no light.
+    float brightness(const Ray& ray, const Hit& hit, PathState path) const;
+    const Tracer& tracer() const { return tracer_; }
     size_t bytes() const;
 
     /// What an element is taken for when one is chosen.

@@ -81,13 +81,21 @@ void ClosureView::look(const Closures& closures, const Vec3f& from) {
         halves = uses_half(closures[0]);
         return;
     }
-    float sum = 0.0f;
     for (int i = 0; i < count; ++i) {
         look_at(closures[i], from, lobes[i]);
         lobes[i].bent = is_bent(closures[i], closures);
-        lobes[i].probability = choice_weight(closures[i], lobes[i].cosine);
-        sum += lobes[i].probability;
         halves |= uses_half(closures[i]);
+    }
+    weigh(closures);
+}
+
+void ClosureView::weigh(const Closures& closures) {
+    const int count = closures.size();
+    if (count == 1) return;
+    float sum = 0.0f;
+    for (int i = 0; i < count; ++i) {
+        lobes[i].probability = choice_weight(closures[i], lobes[i].cosine) + glint_weight(closures[i], lobes[i]);
+        sum += lobes[i].probability;
     }
     any = sum > 0.0f;
     const float scale = any ? 1.0f / sum : 0.0f;

@@ -12,6 +12,7 @@ struct LobeView {
     float cosine;       ///< of the viewer's angle to its normal
     float masking;      ///< of microfacets: share of them that the viewer sees
     float mirrored;     ///< the same over four cosines: makes of the density of normals that of mirrored directions
+    float glint;        ///< of singular ones: how often its mirror direction is sampled, in multiples of its share
     bool bent;          ///< `bump_shadow` darkens it
 };
 
@@ -24,7 +25,10 @@ struct ClosureView {
 
     ClosureView() = default;
     ClosureView(const Closures& closures, const Vec3f& from) { look(closures, from); }
+    /// Without glints: they are 1.
     void look(const Closures& closures, const Vec3f& from);
+    /// Sets the probabilities anew, by the glints that the lobes have now.
+    void weigh(const Closures& closures);
 };
 
 }  // namespace rayleaf

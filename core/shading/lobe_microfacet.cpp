@@ -40,10 +40,10 @@ struct FacetWay {
     float probability = 0;
     Color share{0, 0, 0};
 };
-FacetWay way_at(const Lobe& lobe, Side side, float cosine) {
+FacetWay way_at(const Lobe& lobe, Side side, float cosine, float glint = 1.0f) {
     const bool reflects = side == Side::Reflected;
     if (lobe.type != LobeType::Glass) return {1.0f, reflects ? reflectance(lobe, cosine) : transmittance(lobe, cosine)};
-    const GlassShares shares = glass_shares(lobe, cosine);
+    const GlassShares shares = glass_shares(lobe, cosine, glint);
     const float probability = reflects ? shares.reflects : 1.0f - shares.reflects;
     if (!(probability > 0.0f)) return {};
     return {probability, (reflects ? shares.reflected : shares.refracted) / probability};
@@ -85,14 +85,16 @@ LobeValue evaluate_sheet(const Lobe& lobe, const LobeView& view, const Direction
 }
 
 /// Singular glass, mirror or refraction about the lobe's own normal.
-std::optional<LobeDirection> sample_singular(const Lobe& lobe, float cosine, const Vec3f& outgoing, float random) {
+std::optional<LobeDirection> sample_singular(const Lobe& lobe, const LobeView& view, const Vec3f& outgoing,
+                                             float random) {
+    const float cosine = view.cosine;
     if (!(cosine > 0.0f)) return std::nullopt;
     const bool reflects = lobe.type == LobeType::Reflection ||
-                          (lobe.type == LobeType::Glass && random < glass_shares(lobe, cosine).reflects);
+                          (lobe.type == LobeType::Glass && random < glass_shares(lobe, cosine, view.glint).reflects);
     LobeDirection result;
     result.weighed = true;
     result.side = reflects ? Side::Reflected : Side::Transmitted;
-    result.weight = lobe.weight * way_at(lobe, result.side, cosine).share;
+    result.weight = lobe.weight * way_at(lobe, result.side, cosine, view.glint).share;
     if (reflects) {
         result.direction = mirrored(outgoing, lobe.normal);
         return result;
@@ -164,10 +166,11 @@ Color transmittance(const Lobe& lobe, float cosine) {
     return fresnel ? Color(1.0f) - reflectance(lobe, cosine) : Color(1.0f);
 }
 
-GlassShares glass_shares(const Lobe& lobe, float cosine) {
+GlassShares glass_shares(const Lobe& lobe, float cosine, float glint) {
     const Color reflected = reflectance(lobe, cosine), refracted = (Color(1.0f) - reflected) * lobe.refracted;
-    const float sum = average(reflected) + average(refracted);
-    return {reflected, refracted, sum > 0.0f ? average(reflected) / sum : 1.0f};
+    const float share = average(reflected), other = average(refracted);
+    const float often = std::max(share, std::min(share * glint, other)), sum = often + other;
+    return {reflected, refracted, sum > 0.0f ? often / sum : 1.0f};
 }
 
 void look_at_facets(const Lobe& lobe, const Vec3f& outgoing, LobeView& view) {
@@ -190,7 +193,7 @@ LobeValue evaluate_microfacet_lobe(const Lobe& lobe, const LobeView& view, const
 
 std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const LobeView& view, const Vec3f& outgoing,
                                                     const Vec3f& random) {
-    if (is_singular(lobe)) return sample_singular(lobe, view.cosine, outgoing, random.x);
+    if (is_singular(lobe)) return sample_singular(lobe, view, outgoing, random.x);
     if (!(view.mirrored > 0.0f)) return std::nullopt;
     const LobeFrame frame(lobe);
     const Vec3f o = frame.to_local(outgoing);

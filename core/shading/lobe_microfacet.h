@@ -29,11 +29,13 @@ inline Color reflectance(const Lobe& lobe, float cosine) {
 /// What the interface lets through: 1 without Fresnel.
 Color transmittance(const Lobe& lobe, float cosine);
 
-/// What a facet of glass seen under `cosine` sends each way, before the weight, and how often sampling reflects there.
+/// What a facet of glass seen under `cosine` sends each way, before the weight, and how often sampling reflects there:
+/// by its share of that. With a `glint` that many times its share, if it refracts more, but no more often than it
+/// refracts: so a sample weighs at most twice its light.
 struct GlassShares {
     Color reflected, refracted;
     float reflects = 0;
 };
-GlassShares glass_shares(const Lobe& lobe, float cosine);
+GlassShares glass_shares(const Lobe& lobe, float cosine, float glint = 1.0f);
 
 }  // namespace rayleaf

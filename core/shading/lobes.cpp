@@ -136,9 +136,15 @@ float choice_weight(const Lobe& lobe, float cosine) {
     return mean * (is_singular(lobe) ? share : std::max(share, kLeastShare));
 }
 
+float glint_weight(const Lobe& lobe, const LobeView& view) {
+    if (view.glint == 1.0f) return 0.0f;
+    return (view.glint - 1.0f) * average(lobe.weight) * average(reflectance(lobe, view.cosine));
+}
+
 void look_at(const Lobe& lobe, const Vec3f& outgoing, LobeView& view) {
     view.cosine = lobe.normal.dot(outgoing);
     view.masking = view.mirrored = 0.0f;
+    view.glint = 1.0f;
     view.bent = false;
     if (has_facets(lobe)) look_at_facets(lobe, outgoing, view);
 }

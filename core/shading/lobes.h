@@ -101,6 +101,8 @@ std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const LobeView& view,
                                          const Vec3f& random);
 /// How often a lobe seen under `cosine` is chosen, relative to others; positive wherever its value is.
 float choice_weight(const Lobe& lobe, float cosine);
+/// What its glint adds to that.
+float glint_weight(const Lobe& lobe, const LobeView& view);
 /// Sets `view`, but for its probability, to the lobe seen from `outgoing`; not bent.
 void look_at(const Lobe& lobe, const Vec3f& outgoing, LobeView& view);
 /// Weighted albedo that falls in the family `kind`; Fresnel taken at the lobe's normal.

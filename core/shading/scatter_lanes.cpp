@@ -319,9 +319,9 @@ void take_view(const ScatterQuery& query, const KnownLobes& lobes, size_t i, con
     view.halves = lobes.facets || lanes.is_disney[i] != 0.0f;
     LobeView* seen = view.lobes;
     if (lobes.diffuse)
-        *seen++ = {lanes.diffuse.probability[i], lanes.diffuse.cosine[i], 0.0f, 0.0f, lanes.is_bent[i] != 0.0f};
+        *seen++ = {lanes.diffuse.probability[i], lanes.diffuse.cosine[i], 0.0f, 0.0f, 1.0f, lanes.is_bent[i] != 0.0f};
     if (lobes.facets)
-        *seen = {lanes.facets.probability[i], lanes.facets.cosine[i], lanes.masking[i], lanes.mirrored[i], false};
+        *seen = {lanes.facets.probability[i], lanes.facets.cosine[i], lanes.masking[i], lanes.mirrored[i], 1.0f, false};
 }
 
 void take_sample(const ScatterQuery& query, const KnownLobes& lobes, size_t i, const ScatterLanes& lanes) {

@@ -36,10 +36,10 @@ def lit_plane(core, albedo=0.5, size=20.0):
     return scene
 
 
-def uneven_world(core):
+def uneven_world(core, strength=1.0):
     program = core.Program("world")
     one, scale = program.constant(1, 1, 1, 1), program.constant(*[1.5] * 4)
-    bright, dark = program.constant(20, 20, 20, 1), program.constant(0.1, 0.1, 0.1, 1)
+    bright, dark = (program.constant(*[strength * part] * 3, 1) for part in (20.0, 0.1))
     program.operation(
         "background", [one, program.operation("checker", [program.operation("generated"), bright, dark, scale]), one]
     )
