@@ -9,14 +9,17 @@ namespace {
 /// The most often that a mirror direction is sampled, in multiples of its share.
 constexpr float kMostGlint = 16.0f;
 
-/// Whether sampling may leave out the mirror direction of a singular lobe.
+/// Whether sampling may leave out the mirror direction of a singular lobe, and lights may be seen in it: from within
+/// glass, its other side is.
 bool is_mirror_by_chance(const Lobe& lobe, const Closures& closures) {
     if (!is_singular(lobe)) return false;
     const bool alone = closures.size() == 1 && is_black(closures.transparency);
-    return lobe.type == LobeType::Glass || (lobe.type == LobeType::Reflection && !alone);
+    return (lobe.type == LobeType::Glass && lobe.ior > 1.0f) || (lobe.type == LobeType::Reflection && !alone);
 }
 
-/// How bright the light is that the lobe mirrors, against a display's white: what is no brighter makes little noise.
+constexpr float kWhite = 1.0f;  ///< of a display
+
+/// How bright the light is that the lobe mirrors, against white: what is no brighter makes little noise.
 float glint(const Scene& scene, const Bounces& bounces, const Vertex& vertex, const Lobe& lobe, RayCounts& counts) {
     const Vec3f& facet = vertex.point.facet_normal;
     const float cosine = lobe.normal.dot(vertex.outgoing);
@@ -24,10 +27,11 @@ float glint(const Scene& scene, const Bounces& bounces, const Vertex& vertex, co
     if (!(cosine > 0.0f) || !(facet.dot(direction) * facet.dot(vertex.outgoing) > 0.0f)) return 1.0f;
     Ray ray;
     vertex.point.release(ray, ray_direction(direction));
+    const std::optional<float> brightness =
+        scene.lights().brightness_along(ray, bounces.kind_of_mirrored_ray(), bounces.of_sampled_light(), kWhite);
+    if (!brightness) return 1.0f;
     ++counts[RayUse::Shadow];
-    const float brightness =
-        scene.lights().brightness_along(ray, bounces.kind_of_mirrored_ray(), bounces.of_sampled_light());
-    return brightness > 1.0f ? std::min(brightness, kMostGlint) : 1.0f;
+    return *brightness > kWhite ? std::min(*brightness, kMostGlint) : 1.0f;
 }
 
 }  // namespace

@@ -214,9 +214,10 @@ class LightSet {
                    const std::function<void(const LampHit&)>& add) const;
     /// False: lamp_hits finds none.
     bool may_meet_lamps(const Ray& ray, double end) const;
-    /// Of what shines where a ray of a kind ends, the largest component of its radiance; 0 where nothing does. A guess
-    /// to sample by: surfaces are opaque, and programs of lamps have their mean.
-    float brightness_along(const Ray& ray, Visibility kind, const PathState& path) const;
+    /// Of what shines where a ray of a kind ends, the largest component of its radiance; empty, and no ray is traced,
+    /// where nothing brighter than `least` may be met. A guess to sample by: surfaces are opaque, and programs of lamps
+    /// have their mean.
+    std::optional<float> brightness_along(const Ray& ray, Visibility kind, const PathState& path, float least) const;
     /// Whether any light shines on some objects alone, or has the shadows of some alone.
     bool has_links() const;
     /// Emitting instances that have the shadows of some objects alone; and whether such lamps can be met.

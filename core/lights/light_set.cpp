@@ -165,7 +165,8 @@ bool LightSet::may_meet_lamps(const Ray& ray, double end) const {
             std::ranges::any_of(set.suns, [&](const DistantLamp& lamp) { return lamp.sun.is_met(ray); }));
 }
 
-float LightSet::brightness_along(const Ray& ray, Visibility kind, const PathState& path) const {
+std::optional<float> LightSet::brightness_along(const Ray& ray, Visibility kind, const PathState& path,
+                                                float least) const {
     const Implementation& set = *implementation_;
     constexpr double kNowhere = std::numeric_limits<double>::infinity();
     bool may_end_on_surface = false;
@@ -190,7 +191,7 @@ float LightSet::brightness_along(const Ray& ray, Visibility kind, const PathStat
         lamp_end = hit->t;
         of_lamp = brightness(lamp.traits, *hit);
     });
-    if (!may_end_on_surface && !(far > 0) && !(of_lamp > 0)) return 0.0f;
+    if (!may_end_on_surface && !(far > least) && !(of_lamp > least)) return std::nullopt;
     const Maybe<Hit> hit = set.surfaces.tracer().closest_hit(ray, kind);
     if (lamp_end < (hit ? hit->t : kNowhere)) return static_cast<float>(of_lamp);
     return hit ? set.surfaces.brightness(ray, *hit, path) : static_cast<float>(far);
