@@ -27,6 +27,11 @@ inline Vec3d area_vector(const FacetCorners& corners) {
     return (corners[1] - corners[0]).cross(corners[2] - corners[0]);
 }
 
+/// Parameters in the unit square, the upper half turned onto the lower: weights of corners 1 and 2.
+inline Vec2f folded(const Vec2f& parameters) {
+    return parameters.x + parameters.y > 1.0f ? Vec2f(1.0f) - parameters : parameters;
+}
+
 /// Corners that are so far from some to others.
 inline FacetCorners mixed(const FacetCorners& from, const FacetCorners& to, double share) {
     return {from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share,

@@ -232,10 +232,10 @@ LocalHit TriangleMesh::point_at(LocalHit hit) const {
 
 ElementPoint TriangleMesh::element_point_at(uint32_t element, const Vec2f& parameters, float time) const {
     ElementPoint result;
-    const bool mirrored = parameters.x + parameters.y > 1.0f;
+    const Vec2f weights = folded(parameters);
     result.hit.primitive = element;
-    result.hit.u = mirrored ? 1.0f - parameters.x : parameters.x;
-    result.hit.v = mirrored ? 1.0f - parameters.y : parameters.y;
+    result.hit.u = weights.x;
+    result.hit.v = weights.y;
     result.hit.time = time;
     result.hit = point_at(result.hit);
     result.normal = result.hit.normal;

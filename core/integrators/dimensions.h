@@ -20,7 +20,7 @@ enum CameraDimension : uint32_t { kFilterDimension = 0, kLensDimension = 1, kTim
 enum class PathDimension : uint32_t {
     Light = 0,         ///< which light, and where on it
     Scatter = 1,       ///< which lobe, and the direction; three numbers where they are needed
-    Transparency = 2,  ///< straight on or scattered
+    Transparency = 2,  ///< straight on or scattered; of sharp lobes, which of them as well
     Roulette = 3,
     Occlusion = 4,     ///< the pass
     Hemisphere = 5,    ///< distribution ray tracing: rays from diffuse lobes

@@ -296,17 +296,24 @@ float PathTracer::straight_probability(const Vertex& vertex) const {
     float scattered = 0.0f;
     for (int i = 0; i < closures.size(); ++i)
         scattered += average(closures[i].weight) * (is_singular(closures[i]) ? 1.0f : kScatteredLight) +
-                     glint_weight(closures[i], vertex.view.lobes[i]);
+                     (is_singular(closures[i]) ? glint_weight(closures[i], vertex.view.lobes[i]) : 0.0f);
     return straight / (straight + scattered);
 }
 
 bool PathTracer::go_on(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
     const float straight = straight_probability(vertex);
-    if (straight >= 1.0f || (straight > 0.0f && this->random(PathDimension::Transparency) < straight))
-        return pass_through(vertex, straight);
+    if (straight >= 1.0f) return pass_through(vertex, straight);
+    Vec2f numbers = random;
+    if (straight > 0.0f) {
+        const float choice = this->random(PathDimension::Transparency), scattered = 1.0f - straight;
+        if (choice >= scattered) return pass_through(vertex, straight);
+        // One number chooses among all ways of sharp lobes. So each is taken evenly often, and one that is rare and
+        // ends on a light makes little noise.
+        if (!vertex.closures.has_smooth_lobes()) numbers.x = std::min(choice / scattered, 1.0f - 0x1p-24f);
+    }
     if (bounces_.is_last() || vertex.closures.size() == 0) return false;
     throughput_ /= 1.0f - straight;
-    return scatter(vertex, random, light_rays);
+    return scatter(vertex, numbers, light_rays);
 }
 
 bool PathTracer::pass_through(const Vertex& vertex, float probability) {

@@ -112,7 +112,7 @@ float LightSet::emitter_density(const LitPoint& from, const SurfacePoint& point)
     if (!item || (set.surfaces.link(*item).set() & from.lit_by) == 0) return 0.0f;
     const auto in_tree = static_cast<uint32_t>(*item + set.lamps.size());
     const double choice = set.probability(from, in_tree);
-    return static_cast<float>(std::min(choice * set.surfaces.density(from.position, point), kLargestDensity));
+    return static_cast<float>(std::min(choice * set.surfaces.density(*item, from.position, point), kLargestDensity));
 }
 
 float LightSet::world_density(const Vec3f& direction, const LitPoint& from) const {

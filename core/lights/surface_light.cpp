@@ -5,7 +5,6 @@
 #include "geometry/facet.h"
 #include "geometry/triangle_mesh.h"
 #include "lights/chosen_light.h"
-#include "lights/spherical_triangle.h"
 
 #include <algorithm>
 #include <array>
@@ -27,25 +26,6 @@ Vec3d area_at(const Affine3d& local_to_world, const Shape& shape, const ElementP
 double density_at(const Vec3d& offset, double distance, const Vec3d& area) {
     const double density = distance * distance * distance / std::abs(offset.dot(area));
     return std::isfinite(density) ? std::min(density, kLargestDensity) : 0.0;
-}
-
-/// Triangles that take less, steradians, are sampled by area: they look nearly the same from all their places.
-constexpr double kLeastSolidAngle = 1e-3;
-
-/// Twice the area of the largest triangle of an instance at any time; 0 of other shapes.
-double largest_triangle(const Tracer& tracer, const EmittingInstance& emitter) {
-    const TracedInstance& instance = tracer.instance(emitter.instance);
-    if (instance.shape->kind() != ShapeKind::TriangleMesh) return 0.0;
-    if (instance.motion || instance.shape->deforms()) return std::numeric_limits<double>::infinity();
-    const auto& mesh = static_cast<const TriangleMesh&>(*instance.shape);
-    const Affine3d local_to_world = tracer.local_to_world(emitter.instance, kMiddleTime);
-    double largest = 0.0;
-    for (const uint32_t element : emitter.elements) {
-        FacetCorners corners = mesh.corners(element);
-        for (Vec3d& corner : corners) corner = local_to_world.vector(corner);
-        largest = std::max(largest, area_vector(corners).length());
-    }
-    return largest;
 }
 
 /// Where an element is looked at to guess what it emits: parameters inside a triangle too.
@@ -137,38 +117,49 @@ SurfaceLights::Estimate estimate(const Tracer& tracer, const SurfaceEmission& em
 
 }  // namespace
 
-/// An element as it is seen from a place, if that is a triangle which takes enough of the view.
-class SurfaceLights::SeenTriangle {
-  public:
-    SeenTriangle() = default;
-    explicit SeenTriangle(const FacetCorners& from_there) : corners_(from_there) {
-        const double nearest2 = std::min({corners_[0].length2(), corners_[1].length2(), corners_[2].length2()});
-        if (area_vector(corners_).length() > kLeastSolidAngle * nearest2) sphere_.emplace(corners_);
-    }
-    /// Whether it is sampled by solid angle.
-    explicit operator bool() const { return sphere_ && (*sphere_).solid_angle() > kLeastSolidAngle; }
-    double density() const { return 1.0 / (*sphere_).solid_angle(); }
-    /// The parameters of a point.
-    Vec2f sample(const Vec2f& random) const {
-        const std::optional<FacetHit> hit = exact_facet_hit(corners_, Vec3d(0.0), (*sphere_).sample(random), 1.0);
-        if (!hit) return Vec2f(1.0f / 3.0f);
-        const auto u = static_cast<float>(hit->u);
-        return {u, std::min(static_cast<float>(hit->v), 1.0f - u)};
-    }
+bool SurfaceLights::is_at_rest(uint32_t instance) const {
+    const TracedInstance& traced = tracer_.instance(instance);
+    return traced.shape->kind() == ShapeKind::TriangleMesh && !traced.motion && !traced.shape->deforms();
+}
 
-  private:
-    FacetCorners corners_{};
-    Maybe<SphericalTriangle> sphere_;
-};
+StillTriangle SurfaceLights::at_rest(const Element& of) const {
+    const Shape& shape = *tracer_.instance(of.instance).shape;
+    const ElementPoint middle = shape.element_point(of.element, Vec2f(1.0f / 3.0f));
+    StillTriangle result;
+    const Affine3d local_to_world = tracer_.local_to_world(of.instance, kMiddleTime);
+    result.corners = static_cast<const TriangleMesh&>(shape).corners(of.element);
+    for (Vec3d& corner : result.corners) corner = local_to_world.point(corner);
+    result.area = area_at(local_to_world, shape, middle);
+    for (const Vec2f& corner : {Vec2f(0, 0), Vec2f(1, 0), Vec2f(0, 1)}) {
+        const SurfacePoint point = tracer_.place(of.instance, shape.element_point(of.element, corner).hit, kMiddleTime);
+        result.facet_normal = point.facet_normal;
+        result.start_offset = std::max(result.start_offset, point.start_offset);
+    }
+    if (const Color* even = even_emission_(of.instance, middle.hit)) {
+        result.is_even = true;
+        result.radiance = *even;
+    }
+    return result;
+}
 
-SurfaceLights::SeenTriangle SurfaceLights::seen(const Affine3d& local_to_world, uint32_t instance, uint32_t element,
-                                                float time, const Vec3d& from) const {
-    const double largest = largest_[static_cast<size_t>(table_of_instance_[instance])];
-    const double nearest = distance(tracer_.bounds(instance), from);
-    if (!(largest > kLeastSolidAngle * nearest * nearest)) return {};
-    FacetCorners corners = static_cast<const TriangleMesh&>(*tracer_.instance(instance).shape).corners(element, time);
-    for (Vec3d& corner : corners) corner = local_to_world.point(corner) - from;
+SeenTriangle SurfaceLights::seen(const Element& of, float time, const Vec3d& from) const {
+    FacetCorners corners;
+    if (of.at_rest != kNone) {
+        corners = still_[of.at_rest].corners;
+    } else {
+        const Shape& shape = *tracer_.instance(of.instance).shape;
+        if (shape.kind() != ShapeKind::TriangleMesh) return {};
+        const Affine3d local_to_world = tracer_.local_to_world(of.instance, time);
+        corners = static_cast<const TriangleMesh&>(shape).corners(of.element, time);
+        for (Vec3d& corner : corners) corner = local_to_world.point(corner);
+    }
+    for (Vec3d& corner : corners) corner -= from;
     return SeenTriangle(corners);
+}
+
+Vec3d SurfaceLights::area(const Element& of, const ElementPoint& point, float time) const {
+    if (of.at_rest != kNone) return still_[of.at_rest].area;
+    return area_at(tracer_.local_to_world(of.instance, time), *tracer_.instance(of.instance).shape, point);
 }
 
 SurfaceLights::SurfaceLights(const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
@@ -179,13 +170,16 @@ SurfaceLights::SurfaceLights(const std::vector<EmittingInstance>& emitters, cons
     for (const EmittingInstance& emitter : emitters) {
         if (emitter.elements.empty()) continue;
         if (linked) links_.push_back(emitter.link);
-        largest_.push_back(largest_triangle(tracer, emitter));
         if (emitter.instance >= table_of_instance_.size()) table_of_instance_.resize(emitter.instance + 1, -1);
         table_of_instance_[emitter.instance] = static_cast<int32_t>(item_of_element_.size());
+        const bool rests = is_at_rest(emitter.instance);
         auto& items = item_of_element_.emplace_back(tracer.instance(emitter.instance).shape->element_count(), kNone);
         for (const uint32_t element : emitter.elements) {
             items[element] = count();
             elements_.push_back({emitter.instance, element});
+            if (!rests) continue;
+            elements_.back().at_rest = static_cast<uint32_t>(still_.size());
+            still_.push_back(at_rest(elements_.back()));
         }
     }
 }
@@ -257,90 +251,117 @@ struct SurfaceLights::Place {
     double seen_density = 0;  ///< by solid angle; 0: it is sampled by area
     Vec3d area{0, 0, 0};
     SurfacePoint point;
-
-    LightQuery& query() const { return *wanted->query; }
 };
 
-/// All but the radiance.
-Maybe<LightSample> SurfaceLights::light_at(const Place& place) const {
-    const Vec3d offset = place.point.position - place.query().at->position;
+/// Those of which it depends on the place what they emit.
+struct SurfaceLights::Asked {
+    ShortList<Place, kMostTogether> places;
+    ShortList<ElementQuery, kMostTogether> elements;
+
+    Place& add(const Wanted& wanted, uint32_t instance, const LocalHit& hit) {
+        Place& place = places.add();
+        place.wanted = &wanted;
+        elements.add(instance, hit, wanted.query->time, &place.point);
+        return place;
+    }
+};
+
+/// The query's light at a place that is so far off, but for the radiance and where the way to it ends; null where it is
+/// seen edge on. `seen_density` and `area` as of Place.
+LightSample* SurfaceLights::begin_light(const Wanted& wanted, const Vec3d& offset, double seen_density,
+                                        const Vec3d& area) const {
     const double distance = offset.length();
-    const double density = place.seen_density > 0.0 ? place.seen_density : density_at(offset, distance, place.area);
-    Maybe<LightSample> result;
-    if (!(density > 0)) return result;
-    const uint32_t item = place.wanted->item;
-    LightSample& sample = result.emplace();
+    const double density = seen_density > 0.0 ? seen_density : density_at(offset, distance, area);
+    Maybe<LightSample>& light = wanted.query->light;
+    light.reset();
+    if (!(density > 0)) return nullptr;
+    LightSample& sample = light.emplace();
     sample.direction = Vec3f(offset * (1.0 / distance));
     sample.distance = distance;
-    sample.target = place.point.ray_origin(offset * (-1.0 / distance));  // off the facet, on the side that looks here
-    sample.target_anchor = place.point.anchor();
     sample.density = static_cast<float>(density);
-    sample.visibility = visibility(item);
-    sample.instance = static_cast<int>(instance(item));
-    sample.blockers = link(item).blockers;
-    return result;
+    sample.visibility = visibility(wanted.item);
+    sample.instance = static_cast<int>(instance(wanted.item));
+    sample.blockers = link(wanted.item).blockers;
+    return &sample;
 }
 
-/// Completes the lights of places whose points are known.
-void SurfaceLights::ask(std::span<const Place* const> places) const {
+/// All but the radiance.
+LightSample* SurfaceLights::light_at(const Place& place) const {
+    const Vec3d offset = place.point.position - place.wanted->query->at->position;
+    LightSample* light = begin_light(*place.wanted, offset, place.seen_density, place.area);
+    if (!light) return nullptr;
+    light->target = place.point.ray_origin(offset * (-1.0 / light->distance));  // on the side that looks here
+    light->target_anchor = place.point.anchor();
+    return light;
+}
+
+void SurfaceLights::sample(const StillTriangle& triangle, const Wanted& wanted, Asked& asked) const {
+    const Vec3d& from = wanted.query->at->position;
+    const SeenTriangle seen({triangle.corners[0] - from, triangle.corners[1] - from, triangle.corners[2] - from});
+    const Vec2f weights = seen ? seen.sample(wanted.random) : folded(wanted.random);
+    const Vec3d position = triangle.at(weights), offset = position - from;
+    LightSample* light = begin_light(wanted, offset, seen ? seen.density() : 0.0, triangle.area);
+    if (!light) return;
+    light->target = triangle.target(position, offset);
+    light->radiance = triangle.radiance;
+    if (triangle.is_even) return;
+    const auto [instance, element, at_rest] = elements_[wanted.item];
+    const Shape& shape = *tracer_.instance(instance).shape;
+    asked.add(wanted, instance, shape.element_point_at(element, weights, wanted.query->time).hit);
+}
+
+void SurfaceLights::sample(const Wanted& wanted, Asked& asked) const {
+    const Element& of = elements_[wanted.item];
+    if (of.at_rest != kNone) return sample(still_[of.at_rest], wanted, asked);
+    const LightQuery& query = *wanted.query;
+    const SeenTriangle seen = this->seen(of, query.time, query.at->position);
+    const ElementPoint chosen =
+        tracer_.instance(of.instance)
+            .shape->element_point_at(of.element, seen ? seen.sample(wanted.random) : wanted.random, query.time);
+    const auto set = [&](Place& place) {
+        place.wanted = &wanted;
+        if (seen) place.seen_density = seen.density();
+        place.area = area(of, chosen, query.time);
+    };
+    const Color* even = even_emission_(of.instance, chosen.hit);
+    if (!even) return set(asked.add(wanted, of.instance, chosen.hit));
+    Place place;
+    set(place);
+    place.point = tracer_.place(of.instance, chosen.hit, query.time);
+    if (LightSample* light = light_at(place)) light->radiance = *even;
+}
+
+void SurfaceLights::sample(std::span<const Wanted> all) const {
+    Asked asked;
+    for (const Wanted& wanted : all) sample(wanted, asked);
+    if (asked.places.empty()) return;
+    tracer_.surface_points(asked.elements.all());
     ShortList<EmitterPoint, kMostTogether> points;
     ShortList<LightSample*, kMostTogether> lights;
-    for (const Place* place : places) {
-        LightQuery& query = place->query();
-        query.light = light_at(*place);
-        if (!query.light) continue;
-        LightSample& light = *query.light;
+    for (const Place& place : asked.places.all()) {
+        LightQuery& query = *place.wanted->query;
+        LightSample* light = query.light ? &*query.light : light_at(place);
+        if (!light) continue;
         EmitterPoint& point = points.add();
-        point.point = &place->point;
-        point.outgoing = -light.direction;
+        point.point = &place.point;
+        point.outgoing = -light->direction;
         point.path = query.path;
-        point.path.ray_length = static_cast<float>(light.distance);
-        lights.add(&light);
+        point.path.ray_length = static_cast<float>(light->distance);
+        lights.add(light);
     }
     std::array<Color, kMostTogether> radiances;
     emission_(points.all(), radiances.data());
     for (size_t i = 0; i < lights.size(); ++i) lights[i]->radiance = radiances[i];
 }
 
-void SurfaceLights::sample(std::span<const Wanted> all) const {
-    ShortList<Place, kMostTogether> places;
-    ShortList<ElementQuery, kMostTogether> elements;
-    ShortList<const Place*, kMostTogether> asked;  // what they emit depends on the place
-    for (const Wanted& wanted : all) {
-        LightQuery& query = *wanted.query;
-        const auto [instance, element] = elements_[wanted.item];
-        const Shape& shape = *tracer_.instance(instance).shape;
-        const Affine3d local_to_world = tracer_.local_to_world(instance, query.time);
-        const SeenTriangle seen = this->seen(local_to_world, instance, element, query.time, query.at->position);
-        const ElementPoint chosen =
-            shape.element_point_at(element, seen ? seen.sample(wanted.random) : wanted.random, query.time);
-        Place& place = places.add();
-        place.wanted = &wanted;
-        if (seen) place.seen_density = seen.density();
-        place.area = area_at(local_to_world, shape, chosen);
-        if (const Color* even = even_emission_(instance, chosen.hit)) {
-            place.point = tracer_.place(instance, chosen.hit, query.time);
-            query.light = light_at(place);
-            if (query.light) query.light->radiance = *even;
-        } else {
-            elements.add(instance, chosen.hit, query.time, &place.point);
-            asked.add(&place);
-        }
-    }
-    if (asked.empty()) return;
-    tracer_.surface_points(elements.all());
-    ask(asked.all());
-}
-
-double SurfaceLights::density(const Vec3d& from, const SurfacePoint& point) const {
-    const Shape& shape = *point.shape;
-    const uint32_t element = shape.element_of(point.local);
-    const Affine3d local_to_world = tracer_.local_to_world(point.instance, point.time);
-    const SeenTriangle seen = this->seen(local_to_world, point.instance, element, point.time, from);
-    if (seen) return seen.density();
-    const ElementPoint chosen = shape.element_point_at(element, Vec2f(point.local.u, point.local.v), point.time);
+double SurfaceLights::density(uint32_t item, const Vec3d& from, const SurfacePoint& point) const {
+    const Element& of = elements_[item];
+    if (const SeenTriangle seen = this->seen(of, point.time, from)) return seen.density();
     const Vec3d offset = point.position - from;
-    return density_at(offset, offset.length(), area_at(local_to_world, shape, chosen));
+    if (of.at_rest != kNone) return density_at(offset, offset.length(), still_[of.at_rest].area);
+    const ElementPoint chosen =
+        point.shape->element_point_at(of.element, Vec2f(point.local.u, point.local.v), point.time);
+    return density_at(offset, offset.length(), area(of, chosen, point.time));
 }
 
 float SurfaceLights::brightness(const Ray& ray, const Hit& hit, PathState path) const {
@@ -369,7 +390,7 @@ uint16_t SurfaceLights::visibility(uint32_t item) const {
 
 size_t SurfaceLights::bytes() const {
     size_t total = elements_.capacity() * sizeof(Element) + table_of_instance_.capacity() * sizeof(int32_t) +
-                   links_.capacity() * sizeof(LightLink) + largest_.capacity() * sizeof(double);
+                   links_.capacity() * sizeof(LightLink) + still_.capacity() * sizeof(StillTriangle);
     for (const auto& table : item_of_element_) total += table.capacity() * sizeof(uint32_t);
     return total;
 }

@@ -5,6 +5,7 @@
 // any shape need no table of their own.
 #pragma once
 
+#include "lights/emitting_triangle.h"
 #include "lights/lamp_sample.h"
 #include "lights/light.h"
 #include "lights/light_tree.h"
@@ -27,8 +28,8 @@ class SurfaceLights {
     };
     /// Finds the queries' lights; they leave the choice of the element out. At most kMostTogether.
     void sample(std::span<const Wanted> wanted) const;
-    /// Density of `sample` towards a point that a ray hit on that element.
-    double density(const Vec3d& from, const SurfacePoint& point) const;
+    /// Density of `sample` towards a point that a ray hit on the element.
+    double density(uint32_t item, const Vec3d& from, const SurfacePoint& point) const;
     /// The element that holds a point; empty where none of its instance was given as emitting.
     std::optional<uint32_t> item_of(const SurfacePoint& point) const;
     /// Which kinds of rays see the element.
@@ -50,28 +51,32 @@ class SurfaceLights {
   private:
     struct Element {
         uint32_t instance = 0, element = 0;
+        uint32_t at_rest = kNone;  ///< its place among the triangles at rest
     };
+    static constexpr uint32_t kNone = 0xffffffffu;
+    struct Place;
+    struct Asked;
+
     std::vector<Element> elements_;
-    std::vector<int32_t> table_of_instance_;  ///< -1: does not emit
-    std::vector<LightLink> links_;            ///< per table; empty: all shine on all
-    std::vector<double> largest_;  ///< per table: twice the area of its largest triangle, world units²; 0: has none
+    std::vector<int32_t> table_of_instance_;              ///< -1: does not emit
+    std::vector<LightLink> links_;                        ///< per table; empty: all shine on all
+    std::vector<StillTriangle> still_;                    ///< of meshes at rest, whose triangles are found once
     std::vector<std::vector<uint32_t>> item_of_element_;  ///< per table; kNone: does not emit
     const Tracer& tracer_;
     SurfaceEmission emission_;
     EvenEmission even_emission_;
 
-    class SeenTriangle;
-    struct Place;
-    Maybe<LightSample> light_at(const Place& place) const;
-    void ask(std::span<const Place* const> places) const;
-    /// `instance` has a table.
-    SeenTriangle seen(const Affine3d& local_to_world, uint32_t instance, uint32_t element, float time,
-                      const Vec3d& from) const;
+    bool is_at_rest(uint32_t instance) const;
+    StillTriangle at_rest(const Element& of) const;
+    SeenTriangle seen(const Element& of, float time, const Vec3d& from) const;
+    Vec3d area(const Element& of, const ElementPoint& point, float time) const;
+    LightSample* begin_light(const Wanted& wanted, const Vec3d& offset, double seen_density, const Vec3d& area) const;
+    LightSample* light_at(const Place& place) const;
+    void sample(const StillTriangle& triangle, const Wanted& wanted, Asked& asked) const;
+    void sample(const Wanted& wanted, Asked& asked) const;
     bool is_around_all(uint32_t instance) const;
     void take_even_part_of_skies(std::vector<Estimate>& estimates) const;
     size_t table_of(uint32_t item) const { return static_cast<size_t>(table_of_instance_[instance(item)]); }
-
-    static constexpr uint32_t kNone = 0xffffffffu;
 };
 
 }  // namespace rayleaf

@@ -252,7 +252,11 @@ void bind_program(py::module_& module) {
         .def_property_readonly("name", &Program::name)
         .def_property_readonly("emits", &Program::emits)
         .def_property_readonly("may_be_transparent", &Program::may_be_transparent)
-        .def_property_readonly("is_constant", &Program::is_constant);
+        .def_property_readonly("is_constant", &Program::is_constant)
+        .def_property_readonly("even_emission", [](const Program& program) -> py::object {
+            const std::optional<Color> even = program.even_emission();
+            return even ? py::object(py::make_tuple(even->x, even->y, even->z)) : py::none();
+        });
 }
 
 void bind_points(py::module_& module) {

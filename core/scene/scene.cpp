@@ -53,14 +53,6 @@ const CameraDescription& required_camera(const SceneDescription& description) {
     return *description.camera();
 }
 
-/// What a program emits at any hit; empty where that depends on the hit.
-std::optional<Color> even_emission(const Program& program) {
-    if (!program.is_constant()) return std::nullopt;
-    Closures closures;
-    program.evaluate(ShadingInputs{}, closures);
-    return closures.emission;
-}
-
 }  // namespace
 
 Scene::Scene(const SceneDescription& description, const Settings& settings, const CancelToken& cancel)
@@ -119,9 +111,9 @@ void Scene::commit_materials() {
         has_transparency_ |= material.surface->may_be_transparent();
         reads_footprints_ |= material.surface->reads_footprint();
         asks_surroundings_ |= material.surface->asks_surroundings();
-        even_emissions_.push_back(even_emission(*material.surface));
+        even_emissions_.push_back(material.surface->even_emission());
     }
-    if (world_) even_world_ = even_emission(*world_);
+    if (world_) even_world_ = world_->even_emission();
     for (std::vector<int>& list : lists_) {
         if (list.empty()) list.push_back(neutral_index);
         for (int& material : list)

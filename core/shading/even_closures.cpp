@@ -63,6 +63,14 @@ EvenClosures::EvenClosures(const std::function<void(const ShadingInputs&, Closur
         }
 }
 
+std::optional<Color> EvenClosures::even_emission() const {
+    const Color& first = of[0][0].emission;
+    for (const auto& side : of)
+        for (const Closures& closures : side)
+            if (closures.emission != first) return std::nullopt;
+    return first;
+}
+
 void EvenClosures::copy(const ShadingInputs& inputs, Closures& result) const {
     const size_t behind = is_backfacing(inputs) ? 1 : 0, after_diffuse = inputs.path.diffuse_depth > 0 ? 1 : 0;
     result.take_turned(of[behind][after_diffuse],

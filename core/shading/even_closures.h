@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 namespace rayleaf {
 
@@ -25,6 +26,8 @@ struct EvenClosures {
 
     /// From what `run` adds at a point.
     explicit EvenClosures(const std::function<void(const ShadingInputs&, Closures&)>& run);
+    /// That of all; empty where they differ in it.
+    std::optional<Color> even_emission() const;
     /// `inputs` are of a surface.
     void copy(const ShadingInputs& inputs, Closures& result) const;
 };

@@ -69,6 +69,8 @@ class Program {
     bool may_be_transparent() const { return transparent_; }
     /// True if the result does not depend on the hit: a constant background, a plain lamp colour.
     bool is_constant() const { return constant_; }
+    /// What it emits at all points and in all directions; empty where that depends on them.
+    std::optional<Color> even_emission() const;
     /// True if its closures are the same on all of a surface: nothing is read but the normal and the view.
     bool has_even_closures() const { return !reads_inputs_; }
     /// True if its closures may differ from place to place inside an object, beside those of its surface.

@@ -332,6 +332,14 @@ void Program::find_even_closures() {
         [this](const ShadingInputs& inputs, Closures& result) { evaluate(inputs, result); });
 }
 
+std::optional<Color> Program::even_emission() const {
+    if (even_closures_) return even_closures_->even_emission();
+    if (!is_constant()) return std::nullopt;
+    Closures closures;
+    evaluate(ShadingInputs{}, closures);
+    return closures.emission;
+}
+
 /// False where the program must run.
 bool Program::copy_even_closures(Inputs inputs, Results results) const {
     if (!even_closures_ || inputs.empty() || inputs[0]->point == nullptr) return false;

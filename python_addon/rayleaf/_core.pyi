@@ -46,6 +46,8 @@ class Program:
     emits: bool
     may_be_transparent: bool
     is_constant: bool
+    even_emission: tuple[float, float, float] | None
+    """What it emits at all points and in all directions; None where that depends on them."""
 
 class NurbsSpline:
     """One spline of a Blender SURFACE object. `points` is (count_v, count_u, 4): x, y, z, weight, object space."""

@@ -26,6 +26,20 @@ def alike(core, operation: str, from_hit: bool) -> Any:
     return program
 
 
+def scattering_emitter(core, from_hit: bool) -> Any:
+    """The same light on a surface that scatters as well."""
+    program = alike(core, "emission", from_hit)
+    white, zero = program.constant(1, 1, 1, 1), program.constant(0, 0, 0, 0)
+    program.operation("diffuse", [white, white, zero])
+    return program
+
+
+@pytest.mark.parametrize("make", [lambda core, hit: alike(core, "emission", hit), scattering_emitter])
+def test_a_program_tells_whether_it_emits_the_same_everywhere(core, make):
+    assert make(core, False).even_emission == pytest.approx([STRENGTH * x for x in COLOR])
+    assert make(core, True).even_emission is None
+
+
 SHAPES = {
     "a mesh": lambda: shapes.cube(),
     "a spline surface": lambda: shapes.nurbs_torus(),

@@ -61,6 +61,13 @@ def test_what_a_pane_mirrors_has_less_noise_the_brighter_it_is(core, pane, light
     assert noise[12.0] < 0.6 * noise[1.0]
 
 
+def test_of_a_pixels_samples_a_window_mirrors_as_many_as_of_the_next_or_one_more(core):
+    """One number chooses whether a sample goes straight on, is mirrored or is refracted."""
+    scene, _ = pane_scene(core, "window", "lamp", 12.0)
+    image = picture(core, scene, size=48, samples=16)[..., 0]
+    assert len(np.unique(np.round(image, 4))) == 2
+
+
 def test_a_bright_part_of_the_world_is_such_a_light(core):
     noise, means = {}, {}
     for strength in (0.04, 1.0):  # its bright parts shine with 20 times that
