@@ -143,6 +143,57 @@ report(off=len(sent.cages), hidden=told.evaluated["Hidden"])
     assert (run["off"], run["hidden"]) == (0, "exact subdivision is switched off")
 
 
+LABEL = """
+bottle = cube("Bottle")
+subdivide(bottle)
+label = scenes.quad("Label")
+wrap = label.modifiers.new("Wrap", "SHRINKWRAP")
+wrap.target, wrap.offset = bottle, 0.005
+"""
+
+
+def test_what_another_object_is_shrink_wrapped_onto_is_blenders_mesh(run_blender):
+    """On the limit, which bulges beyond the mesh, a label would sink in."""
+    run = run_blender(
+        START
+        + LABEL
+        + """
+sent, told, messages = cages()
+report(cages=len(sent.cages), why=told.evaluated)
+switch_off(wrap)
+sent, told, messages = cages()
+report(off=[cage["name"] for cage in sent.cages], why_off=told.evaluated)
+"""
+    ).report
+    assert (run["cages"], run["why"]) == (0, {"Bottle": "Label is shrink-wrapped onto it"})
+    assert (run["off"], run["why_off"]) == (["Bottle"], {})
+
+
+def test_a_view_takes_an_objects_mesh_once_another_is_shrink_wrapped_onto_it(run_blender):
+    run = run_blender(
+        START
+        + LABEL
+        + """
+import rayleaf._core as core
+from rayleaf.export import camera
+from rayleaf.export.scene import SceneExporter
+from rayleaf.messages import Messages
+
+switch_off(wrap)
+ways, former = [], None
+for wrapped in (False, True, False):
+    wrap.show_viewport = wrapped
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    exporter = SceneExporter(core, depsgraph, Messages(), former=former)
+    exporter.export(camera.frame_of(scene), needs_uv=False)
+    former = exporter.left.without([label.as_pointer()], False)
+    ways.append(sorted(exporter.report.evaluated))
+report(ways=ways)
+"""
+    ).report
+    assert run["ways"] == [[], ["Bottle"], []]
+
+
 def test_texture_coordinates_and_attributes_arrive_by_corner(run_blender):
     run = run_blender(
         START

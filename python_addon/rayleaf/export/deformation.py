@@ -48,6 +48,7 @@ class Forms:
     def __init__(self, core: ModuleType, depsgraph: Any, check: Callable[[], None]) -> None:
         self._core, self._depsgraph, self._check = core, depsgraph, check
         self._known: dict[int, bool] = {}
+        self._wrapped = subdivision.Wrapped(depsgraph)
 
     def may_deform(self, owner: Any, by_object: bool) -> bool:
         """By its settings and modifiers, as in Cycles: hair always may. `by_object`: whether its own settings count."""
@@ -70,7 +71,8 @@ class Forms:
         """That of a mesh which is subdivided exactly."""
         if owner.type != "MESH" or subdivision.last_subdivision(owner, self._depsgraph) is None:
             return None
-        if subdivision.fallback_reason(owner, self._depsgraph, self._depsgraph.scene_eval.rayleaf) is not None:
+        settings = self._depsgraph.scene_eval.rayleaf
+        if subdivision.fallback_reason(owner, self._depsgraph, settings, self._wrapped) is not None:
             return None
         arrays = subdivision.cage_arrays(owner, self._depsgraph, frozenset())
         if arrays is None:

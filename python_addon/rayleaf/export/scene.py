@@ -30,7 +30,7 @@ from .motion import Motions
 from .materials import MaterialLibrary, VolumeMaterial, slots_of
 from .nodes.resources import Resources
 from .shapes import ExportReport, ShapeExporter
-from .subdivision import Cages
+from .subdivision import Cages, Wrapped
 from .texture_space import texture_space
 
 _BYTES_PER_MEGABYTE = 1 << 20
@@ -94,6 +94,7 @@ class SceneExporter(ShapeExporter, LightExporter):
         self.links = LightLinks.of(depsgraph.objects)
         self.scene = core.SceneDescription(parts) if self._former.scene is None else self._former.scene.emptied()
         self._cages = Cages(core, self.scene)
+        self._wrapped = Wrapped(depsgraph)
         self._shapes: dict[Any, KeptShape] = {}
         self.rows: dict[int, int] | None = {}  # instances that are objects' own, by pointer; None: not known
         self.lamps: list[Any] | None = []  # original objects; None: some are instanced
@@ -246,7 +247,7 @@ class SceneExporter(ShapeExporter, LightExporter):
     def _kept_or_exported(
         self, key: Any, group: Group, wanted: frozenset[str], judged: dict[Any, curves.Judged]
     ) -> int | None:
-        sources = group.sources
+        sources = self._sources(group)
         kept = self._former.shapes.get(key)
         if kept is not None and kept.is_of(sources, wanted):
             self._shapes[key] = kept
@@ -258,6 +259,11 @@ class SceneExporter(ShapeExporter, LightExporter):
         if index is not None and group.hair is None:  # hair depends on settings that are no data block's of these
             self._shapes[key] = KeptShape(self.scene.shape(index), sources, wanted)
         return index
+
+    def _sources(self, group: Group) -> frozenset[int]:
+        """As of the group, and what decides whether it is a mesh."""
+        other = self._wrapped.by(group.owner) if group.given is None else None
+        return group.sources if other is None else group.sources | {other.original.as_pointer()}
 
     def _note_way(self, group: Group, reasons: dict[str, str]) -> None:
         """Which way an object went: exact or as a mesh, and why."""

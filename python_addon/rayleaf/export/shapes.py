@@ -42,6 +42,7 @@ class ShapeExporter:
     _check_cancel: CancelCheck
     _motions: Motions
     _cages: subdivision.Cages
+    _wrapped: subdivision.Wrapped
 
     def _deformation(self, group: Group, part: Part) -> Deformation | None:
         """How a part of a group's owner deforms; what cannot be followed is said."""
@@ -197,7 +198,7 @@ class ShapeExporter:
     def _export_cage(self, group: Group, wanted: frozenset[str]) -> int | None:
         """The shape of a mesh that is subdivided last; None, and a line in the report, if Blender's mesh must do."""
         owner, name = group.owner, name_of(group.owner)
-        reason = subdivision.fallback_reason(owner, self._depsgraph, self._blender_scene.rayleaf)
+        reason = subdivision.fallback_reason(owner, self._depsgraph, self._blender_scene.rayleaf, self._wrapped)
         if reason is None:
             try:
                 arrays = subdivision.cage_arrays(owner, self._depsgraph, wanted)

@@ -67,13 +67,37 @@ def last_subdivision(mesh_object: Any, depsgraph: Any) -> Any:
     return last if min(levels, _most_levels(depsgraph)) > 0 else None
 
 
-def fallback_reason(mesh_object: Any, depsgraph: Any, settings: Any) -> str | None:
+class Wrapped:
+    """Objects onto which others are shrink-wrapped: onto their meshes, which chords leave inside of the limit where it
+    bulges. On the limit, a label would sink in."""
+
+    def __init__(self, depsgraph: Any) -> None:
+        self._depsgraph = depsgraph
+        self._by: dict[int, Any] | None = None  # by pointer: one that lies on it; None: nobody has asked
+
+    def by(self, item: Any) -> Any | None:
+        """An object that is shrink-wrapped onto this one, or None."""
+        if self._by is None:
+            self._by = {
+                target.original.as_pointer(): other
+                for other in self._depsgraph.objects
+                for modifier in _in_use(other, self._depsgraph)
+                if modifier.type == "SHRINKWRAP"
+                for target in (modifier.target, modifier.auxiliary_target)
+                if target is not None
+            }
+        return self._by.get(item.original.as_pointer())
+
+
+def fallback_reason(mesh_object: Any, depsgraph: Any, settings: Any, wrapped: Wrapped) -> str | None:
     """Why an object that ends in a subdivision is taken as Blender's mesh; None if its cage can be sent."""
     last = last_subdivision(mesh_object, depsgraph)
     if not (settings.use_subdivision_surfaces and mesh_object.rayleaf.use_subdivision_surface):
         return "exact subdivision is switched off"
     if last.subdivision_type != "CATMULL_CLARK":
         return f"modifier {name_of(last)} is simple subdivision"
+    if (other := wrapped.by(mesh_object)) is not None:
+        return f"{name_of(other)} is shrink-wrapped onto it"
     stateful = next((modifier for modifier in _in_use(mesh_object, depsgraph) if modifier.type in _STATEFUL), None)
     return None if stateful is None else f"modifier {name_of(stateful)}"
 
