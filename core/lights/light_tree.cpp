@@ -35,6 +35,27 @@ LightCone common_cone(const std::vector<LightTreeItem>& items, std::span<const u
     return result;
 }
 
+/// Lights that are half as long as all together: a node holds them and no others. Whoever is near is inside of it,
+/// where the distance says nothing; small lights beside them would hardly be chosen, however near.
+constexpr double kLargeSquared = 0.25;
+
+/// Orders the items of a node into those of its two children; how many the first has. `box` and `centers` are bounds of
+/// the items and of their middles.
+size_t divide(const std::vector<LightTreeItem>& items, std::span<uint32_t> order, const Box3d& box,
+              const Box3d& centers) {
+    const double large = kLargeSquared * box.size().length2();
+    const auto others = std::partition(order.begin(), order.end(),
+                                       [&](uint32_t item) { return items[item].bounds.size().length2() > large; });
+    if (others != order.begin() && others != order.end()) return static_cast<size_t>(others - order.begin());
+    const auto axis = static_cast<int>(centers.majorAxis());
+    const auto middle = order.begin() + static_cast<ptrdiff_t>(order.size() / 2);
+    const auto center_of = [&](uint32_t item) { return items[item].bounds.min[axis] + items[item].bounds.max[axis]; };
+    std::nth_element(order.begin(), middle, order.end(), [&](uint32_t a, uint32_t b) {
+        return center_of(a) != center_of(b) ? center_of(a) < center_of(b) : a < b;
+    });
+    return order.size() / 2;
+}
+
 }  // namespace
 
 LightTree::LightTree(const std::vector<LightTreeItem>& items, const CancelToken& cancel)
@@ -69,13 +90,7 @@ void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint3
         nodes_[node].item = order[begin];
         return;
     }
-    const auto axis = static_cast<int>(centers.majorAxis());
-    const size_t middle = begin + (end - begin) / 2;
-    const auto center_of = [&](uint32_t item) { return items[item].bounds.min[axis] + items[item].bounds.max[axis]; };
-    std::nth_element(order.begin() + static_cast<ptrdiff_t>(begin), order.begin() + static_cast<ptrdiff_t>(middle),
-                     order.begin() + static_cast<ptrdiff_t>(end), [&](uint32_t a, uint32_t b) {
-                         return center_of(a) != center_of(b) ? center_of(a) < center_of(b) : a < b;
-                     });
+    const size_t middle = begin + divide(items, {order.data() + begin, end - begin}, box, centers);
     const auto left = static_cast<uint32_t>(nodes_.size());
     nodes_.resize(nodes_.size() + 2);
     nodes_[node].left = left;

@@ -3,9 +3,10 @@
 // A reduced light tree (A. Conty Estevez, C. Kulla: Importance Sampling of Many Lights with Adaptive Tree Splitting,
 // HPG 2018, section 4): a node is chosen in proportion to intensity over squared distance, times the cosines at the
 // lights (their orientation cones) and at the point; one of the up to four that are two levels below the last, which
-// are weighed together (lights/light_branch.h). Without the part of the paper that splits nodes. A single light may say
-// that its light does not arrive. Cosines are bounds for a node's sphere; none counts as less than kLeastCosine
-// (lights/cosines.h). One light costs O(log n), and the choice is a pure function of the point and the random number.
+// are weighed together (lights/light_branch.h). Without the part of the paper that splits nodes; but large lights lie
+// in nodes of their own, so that no node is large for one light's sake. A single light may say that its light does not
+// arrive. Cosines are bounds for a node's sphere; none counts as less than kLeastCosine (lights/cosines.h). One light
+// costs O(log n), and the choice is a pure function of the point and the random number.
 #pragma once
 
 #include "base/cancel.h"

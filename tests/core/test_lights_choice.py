@@ -124,3 +124,23 @@ def test_an_even_sky_around_the_whole_scene_is_left_to_scattered_rays(core):
     """As the world is: what a sky has in common everywhere, rays that any surface scatters find."""
     around, open_one, of_some = (share_from_the_sky(core, **each) for each in ({}, {"faces": 5}, {"outside": True}))
     assert 0 < around < 0.65 * min(open_one, of_some)
+
+
+def test_a_lamp_beside_a_long_weak_light_is_chosen_as_often_as_without_it(core):
+    """Among other small lights: one is chosen by nodes, and nobody is outside of one that holds the long light."""
+    shares = []
+    for length in (0.0, 400.0, 4000.0):
+        scene = core.SceneDescription()
+        glow = scene.add_material_list([scene.add_material("glow", emission(core, strength=3.0))])
+        for i in range(200):
+            scene.add_instance("bead", quad(scene, "bead", 0.05), matrix((0.15 * i - 15, 3, 0)), glow)
+        scene.add_lamp("lamp", "POINT", matrix((0.05, -0.5, 1)), (1000.0,) * 3, radius=0.1)
+        stripe = matrix((0, -0.5, 0))
+        stripe[1, 1] = length
+        if length > 0.0:
+            scene.add_instance("stripe", quad(scene, "stripe", 0.1), stripe, glow)
+        look_down(scene)
+        samples = core.LightProbe(scene).sample(np.array([0.5, 2.5, 0.2]), random_numbers(20000))
+        shares.append((samples["radiance"].max(axis=1) > 10.0).mean())
+    assert shares[0] > 0.5
+    assert min(shares[1:]) > 0.8 * shares[0]
