@@ -296,7 +296,7 @@ float PathTracer::straight_probability(const Vertex& vertex) const {
     float scattered = 0.0f;
     for (int i = 0; i < closures.size(); ++i)
         scattered += average(closures[i].weight) * (is_singular(closures[i]) ? 1.0f : kScatteredLight) +
-                     (is_singular(closures[i]) ? glint_weight(closures[i], vertex.view.lobes[i]) : 0.0f);
+                     glint_weight(closures[i], vertex.view.lobes[i]);
     return straight / (straight + scattered);
 }
 

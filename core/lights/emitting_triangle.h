@@ -24,7 +24,7 @@ struct StillTriangle {
         return corners[0] + (corners[1] - corners[0]) * double{parameters.x} +
                (corners[2] - corners[0]) * double{parameters.y};
     }
-    /// Where a ray along the unit `direction` that ends here may stop: on the side that it comes from.
+    /// Where a ray along `direction`, of any length, that ends here may stop: on the side that it comes from.
     Vec3d target(const Vec3d& position, const Vec3d& direction) const {
         const Vec3d normal(facet_normal);
         return position + normal * (direction.dot(normal) > 0.0 ? -start_offset : start_offset);

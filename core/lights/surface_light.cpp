@@ -158,7 +158,6 @@ SeenTriangle SurfaceLights::seen(const Element& of, float time, const Vec3d& fro
 }
 
 Vec3d SurfaceLights::area(const Element& of, const ElementPoint& point, float time) const {
-    if (of.at_rest != kNone) return still_[of.at_rest].area;
     return area_at(tracer_.local_to_world(of.instance, time), *tracer_.instance(of.instance).shape, point);
 }
 
@@ -297,7 +296,7 @@ LightSample* SurfaceLights::light_at(const Place& place) const {
 
 void SurfaceLights::sample(const StillTriangle& triangle, const Wanted& wanted, Asked& asked) const {
     const Vec3d& from = wanted.query->at->position;
-    const SeenTriangle seen({triangle.corners[0] - from, triangle.corners[1] - from, triangle.corners[2] - from});
+    const SeenTriangle seen = this->seen(elements_[wanted.item], wanted.query->time, from);
     const Vec2f weights = seen ? seen.sample(wanted.random) : folded(wanted.random);
     const Vec3d position = triangle.at(weights), offset = position - from;
     LightSample* light = begin_light(wanted, offset, seen ? seen.density() : 0.0, triangle.area);
