@@ -53,7 +53,7 @@ void LightSet::Implementation::build_tree(const CancelToken& cancel) {
 
 LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingInstance>& emitters, const Tracer& tracer,
                    Emissions emissions, std::shared_ptr<const WorldLight> world_light, const CancelToken& cancel)
-    : implementation_(std::make_unique<Implementation>(emitters, tracer, std::move(emissions))) {
+    : implementation_(std::make_unique<Implementation>(emitters, tracer, std::move(emissions), cancel)) {
     Implementation& set = *implementation_;
     for (size_t i = 0; i < lamps.size(); ++i)
         if (shines(lamps[i])) set.add(lamps[i], i);

@@ -26,8 +26,9 @@ struct LightSet::Implementation {
     bool has_links = false;  ///< some light does not shine on all, or has no shadows of some
     std::vector<uint32_t> emitters_with_blockers;
 
-    Implementation(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, Emissions emissions)
-        : surfaces(emitters, tracer, std::move(emissions.surface), std::move(emissions.even)),
+    Implementation(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, Emissions emissions,
+                   const CancelToken& cancel)
+        : surfaces(emitters, tracer, std::move(emissions.surface), std::move(emissions.even), cancel),
           world_emission(std::move(emissions.world)),
           world_visibility(emissions.world_visibility),
           lamp_emission(std::move(emissions.lamp)) {}

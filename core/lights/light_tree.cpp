@@ -69,7 +69,7 @@ LightTree::LightTree(const std::vector<LightTreeItem>& items, const CancelToken&
     build(items, order, 0, order.size(), 0, cones, cancel);
     radius_ = static_cast<float>(std::sqrt(nodes_.front().radius_squared));
     gather_sets(items);
-    add_branch(0, {}, items, cones);
+    add_branch(0, {}, items, cones, cancel);
 }
 
 void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
@@ -99,7 +99,8 @@ void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint3
 }
 
 void LightTree::add_branch(uint32_t node, const Place& parent, const std::vector<LightTreeItem>& items,
-                           std::span<const LightCone> cones) {
+                           std::span<const LightCone> cones, const CancelToken& cancel) {
+    cancel.throw_if_cancelled();
     constexpr float kLeastShare = 1e-30f;  // no light is left out
     const auto index = static_cast<uint32_t>(branches_.size());
     LightBranch& branch = branches_.emplace_back();
@@ -128,7 +129,7 @@ void LightTree::add_branch(uint32_t node, const Place& parent, const std::vector
     for (uint32_t i = 0; i < branches_[index].count; ++i) {
         if (branches_[index].is_leaf(i)) continue;
         branches_[index].below[i] = static_cast<uint32_t>(branches_.size());
-        add_branch(branches_[index].node[i], {index, i}, items, cones);
+        add_branch(branches_[index].node[i], {index, i}, items, cones, cancel);
     }
 }
 

@@ -130,7 +130,7 @@ class LightTree {
     double irradiance(const LightBranch& branch, Float4 weights, const LitPoint& at, const Reaches& reaches,
                       int depth) const;
     void add_branch(uint32_t node, const Place& parent, const std::vector<LightTreeItem>& items,
-                    std::span<const LightCone> cones);
+                    std::span<const LightCone> cones, const CancelToken& cancel);
     uint32_t children(uint32_t node, std::array<uint32_t, LightBranch::kMost>& result) const;
     void gather_sets(const std::vector<LightTreeItem>& items);
     void build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,

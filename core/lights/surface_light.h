@@ -14,8 +14,9 @@ namespace rayleaf {
 
 class SurfaceLights {
   public:
+    /// Throws Cancelled soon after `cancel` says so.
     SurfaceLights(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, SurfaceEmission emission,
-                  EvenEmission even_emission);
+                  EvenEmission even_emission, const CancelToken& cancel);
 
     uint32_t count() const { return static_cast<uint32_t>(elements_.size()); }
     /// The elements as the tree sees them, in order. Throws Cancelled soon after `cancel` says so.
@@ -41,13 +42,6 @@ class SurfaceLights {
     const Tracer& tracer() const { return tracer_; }
     size_t bytes() const;
 
-    /// What an element is taken for when one is chosen.
-    struct Estimate {
-        Box3d bounds;
-        double area = 0, radiance = 0;  ///< world units², mean of the probes
-        LightCone cone;
-    };
-
   private:
     struct Element {
         uint32_t instance = 0, element = 0;
@@ -56,6 +50,12 @@ class SurfaceLights {
     static constexpr uint32_t kNone = 0xffffffffu;
     struct Place;
     struct Asked;
+    /// What an element is taken for when one is chosen.
+    struct Estimate {
+        Box3d bounds;
+        double area = 0, radiance = 0;  ///< world units², mean of the probes
+        LightCone cone;
+    };
 
     std::vector<Element> elements_;
     std::vector<int32_t> table_of_instance_;              ///< -1: does not emit
@@ -69,13 +69,17 @@ class SurfaceLights {
     bool is_at_rest(uint32_t instance) const;
     StillTriangle at_rest(const Element& of) const;
     SeenTriangle seen(const Element& of, float time, const Vec3d& from) const;
+    /// The normal at a point of an element in world space, as long as the world area per unit of parameters.
+    static Vec3d area(const Affine3d& local_to_world, const Shape& shape, const ElementPoint& point);
     Vec3d area(const Element& of, const ElementPoint& point, float time) const;
     LightSample* begin_light(const Wanted& wanted, const Vec3d& offset, double seen_density, const Vec3d& area) const;
     LightSample* light_at(const Place& place) const;
     void sample(const StillTriangle& triangle, const Wanted& wanted, Asked& asked) const;
     void sample(const Wanted& wanted, Asked& asked) const;
-    bool is_around_all(uint32_t instance) const;
-    void take_even_part_of_skies(std::vector<Estimate>& estimates) const;
+    /// `looks`: whether a side that is shut in is told from others.
+    Estimate estimate(const Element& of, bool looks) const;
+    bool is_around_all(uint32_t instance, const CancelToken& cancel) const;
+    void take_even_part_of_skies(std::vector<Estimate>& estimates, const CancelToken& cancel) const;
     size_t table_of(uint32_t item) const { return static_cast<size_t>(table_of_instance_[instance(item)]); }
 };
 
