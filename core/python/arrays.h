@@ -5,7 +5,9 @@
 #include "base/vector.h"
 #include "python/bindings.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <string>
 
@@ -95,9 +97,13 @@ std::span<const T> span_of(const Array<T>& array) {
     return {array.data(), static_cast<size_t>(array.size())};
 }
 
+/// What the last row of an affine matrix may be off by: products of matrices of floats are rounded, there too.
+constexpr double kMostRounding = 1e-4;
+
 /// A 4x4 matrix of doubles, row by row, as an affine map.
 inline Affine3d affine_of(const std::string& object, const double* m) {
-    if (m[12] != 0.0 || m[13] != 0.0 || m[14] != 0.0 || m[15] != 1.0)
+    const double off = std::max({std::abs(m[12]), std::abs(m[13]), std::abs(m[14]), std::abs(m[15] - 1.0)});
+    if (!(off <= kMostRounding))
         throw InputError(object, "matrix",
                          "one whose last row is (" + number_text(m[12]) + ", " + number_text(m[13]) + ", " +
                              number_text(m[14]) + ", " + number_text(m[15]) + ")",

@@ -49,11 +49,15 @@ FacetWay way_at(const Lobe& lobe, Side side, float cosine, float glint = 1.0f) {
     return {probability, (reflects ? shares.reflected : shares.refracted) / probability};
 }
 
+float fresnel_cosine(const Lobe& lobe, float at_normal, float at_facet) {
+    return lobe.fresnel_at_normal ? at_normal : at_facet;
+}
+
 LobeValue evaluate_reflection(const Lobe& lobe, const LobeView& view, const DirectionPair& pair) {
     const float cosine = lobe.normal.dot(pair.incoming);
     if (!(cosine > 0.0f)) return {};
     const Microfacets facets = microfacets(lobe);
-    const FacetWay way = way_at(lobe, Side::Reflected, pair.cosine_half);
+    const FacetWay way = way_at(lobe, Side::Reflected, fresnel_cosine(lobe, view.cosine, pair.cosine_half));
     const float density =
         facets.normal_density(lobe.normal.dot(pair.half), crossed2(lobe, pair.half)) * view.mirrored * way.probability;
     const float masking = facets.masking(cosine, spread2(lobe, pair.incoming, cosine));
@@ -71,7 +75,7 @@ LobeValue evaluate_refraction(const Lobe& lobe, const LobeView& view, const Dire
     const Microfacets facets = microfacets(lobe);
     const float change = cos_o + lobe.ior * cos_i;
     const float jacobian = lobe.ior * lobe.ior * -cos_i / (change * change);  // Walter et al. 2007, equation 17
-    const FacetWay way = way_at(lobe, Side::Transmitted, cos_o);
+    const FacetWay way = way_at(lobe, Side::Transmitted, fresnel_cosine(lobe, view.cosine, cos_o));
     const float density = facets.normal_density(lobe.normal.dot(h), crossed2(lobe, h)) * view.mirrored *
                           (4.0f * cos_o) * jacobian * way.probability;
     const float masking = facets.masking(cosine, spread2(lobe, pair.incoming, cosine));
@@ -200,7 +204,8 @@ std::optional<LobeDirection> sample_microfacet_lobe(const Lobe& lobe, const Lobe
     const Vec3f h = microfacets(lobe).sample_visible(o, Vec2f(random.x, random.y));
     LobeDirection result;
     if (lobe.type == LobeType::Reflection || lobe.type == LobeType::Sheet ||
-        (lobe.type == LobeType::Glass && random.z < glass_shares(lobe, o.dot(h)).reflects)) {
+        (lobe.type == LobeType::Glass &&
+         random.z < glass_shares(lobe, fresnel_cosine(lobe, view.cosine, o.dot(h))).reflects)) {
         Vec3f i = mirrored(o, h);
         if (!(i.z > 0.0f)) return std::nullopt;
         if (lobe.type == LobeType::Sheet) {

@@ -61,6 +61,8 @@ constexpr IntCounts int_counts(Operation operation) {
             return {2, 3};
         case Operation::diffuse:
         case Operation::toon:
+        case Operation::glossy:
+        case Operation::refraction:
             return {0, 1};
         case Operation::uv:
         case Operation::math:
@@ -74,6 +76,7 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::mix:
         case Operation::normal_map:
         case Operation::tangent:
+        case Operation::glass:
             return {0, 2};
         case Operation::subsurface:
         case Operation::principled_layers:

@@ -9,6 +9,11 @@
 namespace rayleaf {
 namespace {
 
+/// 1: joint; without a number, separate.
+Masking masking_of(std::span<const int32_t> ints) {
+    return !ints.empty() && ints[0] != 0 ? Masking::Joint : Masking::Separate;
+}
+
 void set_roughness(Lobe& lobe, MicrofacetVariant variant, float roughness) {
     const float clamped = saturate(roughness);
     const float alpha = variant == MicrofacetVariant::SHARP ? 0.0f : clamped * clamped;
@@ -19,10 +24,11 @@ void set_roughness(Lobe& lobe, MicrofacetVariant variant, float roughness) {
     lobe.distribution = beckmann ? MicrofacetDistribution::Beckmann : MicrofacetDistribution::Ggx;
 }
 
-Lobe glossy_lobe(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs) {
+Lobe glossy_lobe(MicrofacetVariant variant, const Operands& operands, Masking masking, const ShadingInputs& inputs) {
     Lobe lobe;
     lobe.type = LobeType::Reflection;
     lobe.kind = LobeKind::Glossy;
+    lobe.masking = masking;
     lobe.normal = scattering_normal(operands, 3, inputs);
     set_roughness(lobe, variant, operands.scalar(2));
     const Color color = operands.vector(1);
@@ -37,16 +43,18 @@ Lobe glossy_lobe(MicrofacetVariant variant, const Operands& operands, const Shad
     }
     if (variant == MicrofacetVariant::MULTI_GGX) {
         const float alpha = even_alpha(lobe.alpha_x, lobe.alpha_y);
-        const float albedo = ggx_reflection_albedo(alpha, std::max(lobe.normal.dot(inputs.outgoing), 0.0f));
+        const float albedo = ggx_reflection_albedo(alpha, std::max(lobe.normal.dot(inputs.outgoing), 0.0f), masking);
         lobe.weight = lobe.weight * energy_compensation(color, albedo);
     }
     return lobe;
 }
 
-Lobe refraction_lobe(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs) {
+Lobe refraction_lobe(MicrofacetVariant variant, const Operands& operands, Masking masking,
+                     const ShadingInputs& inputs) {
     Lobe lobe;
     lobe.type = LobeType::Refraction;
     lobe.kind = LobeKind::Transmission;
+    lobe.masking = masking;
     lobe.weight = weight_of(operands) * operands.vector(1);
     lobe.normal = scattering_normal(operands, 4, inputs);
     lobe.ior = index_beyond(operands.scalar(3), inputs);
@@ -54,13 +62,16 @@ Lobe refraction_lobe(MicrofacetVariant variant, const Operands& operands, const 
     return lobe;
 }
 
-Lobe glass_lobe(MicrofacetVariant variant, const Operands& operands, const ShadingInputs& inputs) {
-    Lobe lobe = refraction_lobe(variant, operands, inputs);
+Lobe glass_lobe(MicrofacetVariant variant, const Operands& operands, std::span<const int32_t> ints,
+                const ShadingInputs& inputs) {
+    const Masking masking = masking_of(ints);
+    Lobe lobe = refraction_lobe(variant, operands, masking, inputs);
     lobe.type = LobeType::Glass;
+    lobe.fresnel_at_normal = ints.size() > 1 && ints[1] != 0;
     if (variant == MicrofacetVariant::MULTI_GGX) {
         const float cosine = std::max(lobe.normal.dot(inputs.outgoing), 0.0f);
-        lobe.weight =
-            lobe.weight * energy_compensation(operands.vector(1), ggx_glass_albedo(lobe.alpha_x, cosine, lobe.ior));
+        lobe.weight = lobe.weight * energy_compensation(operands.vector(1),
+                                                        ggx_glass_albedo(lobe.alpha_x, cosine, lobe.ior, masking));
     }
     const ThinFilm film{operands.scalar(5), operands.scalar(6, lobe.film.ior)};
     if (film.thickness > 0.0f) {
@@ -126,11 +137,11 @@ void add_microfacets(Operation operation, MicrofacetVariant variant, const Opera
                      std::span<const int32_t> ints, const ShadingInputs& inputs, Closures& closures) {
     switch (operation) {
         case Operation::glossy:
-            return closures.add(glossy_lobe(variant, operands, inputs));
+            return closures.add(glossy_lobe(variant, operands, masking_of(ints), inputs));
         case Operation::refraction:
-            return closures.add(refraction_lobe(variant, operands, inputs));
+            return closures.add(refraction_lobe(variant, operands, masking_of(ints), inputs));
         case Operation::glass:
-            return closures.add(glass_lobe(variant, operands, inputs));
+            return closures.add(glass_lobe(variant, operands, ints, inputs));
         default:
             return closures.add(metal_lobe(variant, operands, ints, inputs));
     }

@@ -93,6 +93,7 @@ void add_transmission(const Parameters& p, const Color& weight, Closures& closur
     Lobe lobe = lobe_of(LobeType::Glass, LobeKind::Transmission, p, weight * reflection_color * scale);
     lobe.alpha_x = lobe.alpha_y = alpha;
     lobe.fresnel = Lobe::Fresnel::Dielectric;
+    lobe.fresnel_at_normal = !p.multiple_scattering;  // as Cycles up to 3.5
     lobe.ior = p.ior;
     // Cycles applies the transmission's own roughness with single scattering only.
     if (p.multiple_scattering || p.transmission_roughness == 0.0f) {

@@ -78,6 +78,9 @@ IntRange int_range(Operation operation, size_t i) {
         case Operation::diffuse:
         case Operation::toon:
         case Operation::principled:
+        case Operation::glossy:
+        case Operation::refraction:
+        case Operation::glass:
         case Operation::metal:
         case Operation::table:
         case Operation::math:

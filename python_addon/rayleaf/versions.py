@@ -268,6 +268,16 @@ def transforms_normals() -> bool:
     return bpy.app.version >= (4, 0, 0)
 
 
+def facets_hide_jointly() -> bool:
+    """Whether microfacets mask and shadow each other jointly (the core's Masking); before, independently."""
+    return bpy.app.version >= (3, 5, 0)
+
+
+def glass_reflects_by_facet() -> bool:
+    """Whether each facet of rough glass reflects its own share of light; before 3.6, that of the smooth surface."""
+    return bpy.app.version >= (3, 6, 0)
+
+
 def follows_light_between_facets() -> bool:
     """Whether Cycles' Multiscatter GGX follows light from facet to facet; since 4.0 it scales what one facet scatters."""
     return bpy.app.version < (4, 0, 0)

@@ -34,16 +34,10 @@ OTHERWISE = {
     ("BsdfGlass", "MULTI_GGX"): 0.5,
     ("BsdfPrincipled", "MULTI_GGX", "Transmission"): 0.4,
     ("MULTI_GGX",): 0.08,
-    # 3.4 takes Fresnel at the normal, so that what facets reflect totally is lost: up to a tenth in the brightest
-    # channel. Rayleaf, like Cycles since 4.0, takes it at the facet.
-    ("BsdfPrincipled", "'GGX'", "Transmission"): 0.07,
     # Up to 0.04 dimmer in one channel, at a thousand samples too; why is not known.
     ("BsdfPrincipled", "RANDOM_WALK_FIXED_RADIUS"): 0.03,
-    # 0.03 dimmer, converged, at a roughness of 0.7; why is not known.
+    # 0.03 dimmer, converged, at a roughness of 0.7: before 3.5 Cycles samples these facets as if they were as rough all around.
     ("BsdfAnisotropic", "BECKMANN"): 0.035,
-    # Some light is lost where a bent normal sends it to the other side.
-    ("BsdfGlass", "leaning"): 0.13,
-    ("BsdfRefraction", "leaning"): 0.03,
 }
 
 

@@ -126,6 +126,15 @@ def test_a_projective_matrix_is_refused(core, scene):
         scene.add_lamp("lamp", "POINT", matrix, (1, 1, 1))
 
 
+def test_a_matrix_whose_last_row_is_rounded_is_taken(core, scene):
+    """Blender multiplies the matrices of parents in single precision, that row too."""
+    matrix = np.array(scenes.matrix())
+    matrix[3] = (1e-9, 0, -1e-9, 0.9999999403953552)
+    scene.add_instance("floor", scenes.quad(scene, "floor"), matrix)
+    scene.set_camera("PERSPECTIVE", matrix, (-1, -1), (1, 1), 0.1, 100)
+    assert np.isfinite(scenes.render(core, scene)["combined"]).all()
+
+
 @pytest.mark.parametrize("given", [b"bytes", "text", None, np.ones((3, 3), complex), np.full((3, 3), "a"), object()])
 def test_vertices_that_are_no_numbers_are_refused_by_name_and_kind(core, scene, given):
     with pytest.raises(core.InputError, match="object 'mesh': vertices is .*expected an array of float32"):

@@ -56,6 +56,10 @@ def rough_lobes():
                 operands = [1.0, WHITE, roughness, ior]
                 lobes[f"refraction_{text}_{roughness}_{ior:.2f}"] = program_with("refraction", operands, text)
                 lobes[f"glass_{text}_{roughness}_{ior:.2f}"] = program_with("glass", operands, text)
+        lobes[f"glossy_{text}_joint"] = program_with("glossy", [1.0, WHITE, 0.9], text, ints=[1])
+        lobes[f"refraction_{text}_joint"] = program_with("refraction", [1.0, WHITE, 0.9, 1.45], text, ints=[1])
+        lobes[f"glass_{text}_at_normal"] = program_with("glass", [1.0, WHITE, 0.9, 1.45], text, ints=[0, 1])
+        lobes[f"glass_{text}_joint"] = program_with("glass", [1.0, WHITE, 0.9, 1.45], text, ints=[1])
     return lobes
 
 
@@ -111,11 +115,48 @@ def test_white_lambert_scatters_all_light(name, cosine):
     np.testing.assert_allclose(albedo(closures(ROUGH[name], outgoing), outgoing), 1.0, atol=1e-5)
 
 
+@pytest.mark.parametrize("operation", ["glossy", "refraction", "glass"])
+def test_joint_masking_is_that_of_heitz(operation):
+    """One over 1 + a + b instead of (1 + a) (1 + b), of Smith's integrals (Heitz 2014, section 6.2): of GGX facets here."""
+    outgoing, alpha2 = direction(0.3), 0.9**4
+    incoming = np.array([[0.5, 0.1, 0.4], [-0.9, 0.3, 0.2], [-0.6, 0.1, -0.7]])
+    incoming /= np.linalg.norm(incoming, axis=1)[:, None]
+    operands = [1.0, WHITE, 0.9, 1.45][: 3 if operation == "glossy" else 4]
+    separate, joint = (
+        closures(program_with(operation, operands, "GGX", ints=ints), outgoing).evaluate(outgoing, incoming, UP)
+        for ints in ([], [1])
+    )
+    hidden = [(np.sqrt(1 + alpha2 * (1 / z**2 - 1)) - 1) / 2 for z in (0.3, incoming[:, 2])]
+    ratio = (1 + hidden[0]) * (1 + hidden[1]) / (1 + hidden[0] + hidden[1])
+    seen = separate[:, 0] > 0
+    assert seen.any()
+    np.testing.assert_allclose(joint[seen, 0] / separate[seen, 0], ratio[seen], rtol=1e-5)
+
+
+def test_glass_may_reflect_the_share_of_the_smooth_surface():
+    """All of reflection and refraction is then that of rough mirrors and of rough refraction, times that share."""
+    outgoing = direction(0.3)
+    mirror, bent, glass = (
+        closures(program_with(operation, [1.0, WHITE, 0.6, 1.45][:count], "GGX", ints=ints), outgoing)
+        for operation, count, ints in (("glossy", 3, []), ("refraction", 4, []), ("glass", 4, [0, 1]))
+    )
+    smooth = closures(program_with("glass", [1.0, WHITE, 0.0, 1.45], "SHARP"), outgoing)
+    share = smooth.albedo(outgoing, shading.LobeKind.GLOSSY)[0]
+    assert 0.1 < share < 0.4
+    incoming = np.array([[-0.8, -0.3, 0.4], [-0.5, 0.1, 0.8], [-0.6, -0.1, -0.7], [-0.6, -0.3, -0.6]])
+    incoming /= np.linalg.norm(incoming, axis=1)[:, None]
+    of_all = share * mirror.evaluate(outgoing, incoming, UP) + (1 - share) * bent.evaluate(outgoing, incoming, UP)
+    assert (of_all > 0).all()
+    np.testing.assert_allclose(glass.evaluate(outgoing, incoming, UP), of_all, rtol=1e-4)
+
+
+@pytest.mark.parametrize("masking", [[], [1]])
 @pytest.mark.parametrize("roughness", (0.2, 0.4, 0.6, 0.8, 1.0))
 @pytest.mark.parametrize("cosine", (1.0, 0.6, 0.3, 0.1))
-def test_compensated_reflection_gives_back_all_light(roughness, cosine):
+def test_compensated_reflection_gives_back_all_light(roughness, cosine, masking):
     outgoing = direction(cosine)
-    share = albedo(closures(program_with("glossy", [1.0, WHITE, roughness], "MULTI_GGX"), outgoing), outgoing)
+    program = program_with("glossy", [1.0, WHITE, roughness], "MULTI_GGX", ints=masking)
+    share = albedo(closures(program, outgoing), outgoing)
     np.testing.assert_allclose(share, 1.0, atol=0.01)
 
 

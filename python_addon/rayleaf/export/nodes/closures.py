@@ -1,6 +1,12 @@
 """Shader nodes: what they add to a point's closures, with a weight."""
 
-from ...versions import follows_light_between_facets, rough_diffuse_keeps_energy, toon_ends_at_right_angles
+from ...versions import (
+    facets_hide_jointly,
+    follows_light_between_facets,
+    glass_reflects_by_facet,
+    rough_diffuse_keeps_energy,
+    toon_ends_at_right_angles,
+)
 from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Register
 
@@ -28,7 +34,12 @@ def glossy(view: NodeView, weight: Register) -> None:
             operands += [anisotropy, view.input("Rotation"), tangent_of(view)]
     if view.node.distribution == "ASHIKHMIN_SHIRLEY":
         view.warn("Ashikhmin-Shirley is rendered as Beckmann")
-    view.emitter.operation("glossy", operands, text=view.node.distribution)
+    view.emitter.operation("glossy", operands, _masking(), text=view.node.distribution)
+
+
+def _masking() -> list[int]:
+    """Of microfacets, as the core's operations take it."""
+    return [1] if facets_hide_jointly() else []
 
 
 def may_be_other_than(view: NodeView, register: Register, value: float) -> bool:
@@ -68,13 +79,15 @@ def toon(view: NodeView, weight: Register) -> None:
 @closure_node("ShaderNodeBsdfGlass")
 def glass(view: NodeView, weight: Register) -> None:
     """Glass BSDF."""
-    _dielectric(view, weight, "glass")
+    multiple = view.node.distribution == "MULTI_GGX"  # has always been by facet
+    at_normal = not (multiple or glass_reflects_by_facet())
+    _dielectric(view, weight, "glass", [int(facets_hide_jointly()), 1] if at_normal else _masking())
 
 
 @closure_node("ShaderNodeBsdfRefraction")
 def refraction(view: NodeView, weight: Register) -> None:
     """Refraction BSDF."""
-    _dielectric(view, weight, "refraction")
+    _dielectric(view, weight, "refraction", _masking())
 
 
 def thin_film(view: NodeView) -> list[Register]:
@@ -91,12 +104,12 @@ def tell_of_facets(view: NodeView) -> None:
         view.warn("Multiscatter GGX: what one facet scatters is scaled; rough glass looks other than in Cycles")
 
 
-def _dielectric(view: NodeView, weight: Register, operation: str) -> None:
+def _dielectric(view: NodeView, weight: Register, operation: str, ints: list[int]) -> None:
     tell_of_facets(view)
     if view.socket("Anisotropy") is not None and may_be_other_than(view, view.input("Anisotropy"), 0.0):  # 5.3
         view.warn("Anisotropy is not supported; as rough all around")
     operands = [weight, view.input("Color"), view.input("Roughness"), view.input("IOR"), view.normal("Normal")]
-    view.emitter.operation(operation, operands + thin_film(view), text=view.node.distribution)
+    view.emitter.operation(operation, operands + thin_film(view), ints, text=view.node.distribution)
 
 
 @closure_node("ShaderNodeBsdfMetallic")
