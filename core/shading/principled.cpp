@@ -87,13 +87,15 @@ void add_specular(const Parameters& p, const Color& weight, Closures& closures) 
 void add_transmission(const Parameters& p, const Color& weight, Closures& closures) {
     const float alpha = p.roughness * p.roughness;
     const float cosine = std::max(p.normal.dot(p.outgoing), 0.0f);
+    constexpr float kSmooth = 0.05f;  // no light is followed from facet to facet there, in Cycles up to 3.5
+    const bool multiple = p.multiple_scattering && p.roughness > kSmooth;
     const Color scale =
-        p.multiple_scattering ? energy_compensation(Color(1.0f), ggx_glass_albedo(alpha, cosine, p.ior)) : Color(1.0f);
+        multiple ? energy_compensation(Color(1.0f), ggx_glass_albedo(alpha, cosine, p.ior)) : Color(1.0f);
     const Color reflection_color = saturate(mixed(Color(1.0f), p.base_color, p.specular_tint));
     Lobe lobe = lobe_of(LobeType::Glass, LobeKind::Transmission, p, weight * reflection_color * scale);
     lobe.alpha_x = lobe.alpha_y = alpha;
     lobe.fresnel = Lobe::Fresnel::Dielectric;
-    lobe.fresnel_at_normal = !p.multiple_scattering;  // as Cycles up to 3.5
+    lobe.fresnel_at_normal = !multiple;
     lobe.ior = p.ior;
     // Cycles applies the transmission's own roughness with single scattering only.
     if (p.multiple_scattering || p.transmission_roughness == 0.0f) {
