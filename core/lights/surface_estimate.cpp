@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -68,7 +67,7 @@ class ConeOfProbes {
 }  // namespace
 
 SurfaceLights::Estimate SurfaceLights::estimate(const Element& of, bool looks) const {
-    const auto [instance, element] = std::pair(of.instance, of.element);
+    const uint32_t instance = of.instance, element = of.element;
     const Shape& shape = *tracer_.instance(instance).shape;
     const Affine3d local_to_world = tracer_.local_to_world(instance, kMiddleTime);
     const bool moves = tracer_.instance(instance).motion != nullptr || shape.deforms();
@@ -86,7 +85,7 @@ SurfaceLights::Estimate SurfaceLights::estimate(const Element& of, bool looks) c
     ConeOfProbes cone;
     for (const Vec2f& probe : kLightProbes) {
         const ElementPoint point = shape.element_point(element, probe);
-        const Vec3d area = this->area(local_to_world, shape, point);
+        const Vec3d area = SurfaceLights::area(local_to_world, shape, point);
         const SurfacePoint surface = tracer_.surface_point(instance, point.hit);
         if (!moves) cone.add(tracer_, surface, normalized_or(area, Vec3d(0, 0, 1)), looks);
         const EmitterPoint seen{&surface, surface.normal, path};

@@ -78,7 +78,7 @@ SurfaceLights::SurfaceLights(const std::vector<EmittingInstance>& emitters, cons
     : tracer_(tracer), emission_(std::move(emission)), even_emission_(std::move(even_emission)) {
     const bool linked =
         std::ranges::any_of(emitters, [](const EmittingInstance& each) { return each.link != LightLink(); });
-    std::vector<Element> still;
+    uint32_t still = 0;
     for (const EmittingInstance& emitter : emitters) {
         if (emitter.elements.empty()) continue;
         if (linked) links_.push_back(emitter.link);
@@ -89,15 +89,13 @@ SurfaceLights::SurfaceLights(const std::vector<EmittingInstance>& emitters, cons
         for (const uint32_t element : emitter.elements) {
             items[element] = count();
             elements_.push_back({emitter.instance, element});
-            if (!rests) continue;
-            elements_.back().at_rest = static_cast<uint32_t>(still.size());
-            still.push_back(elements_.back());
+            if (rests) elements_.back().at_rest = still++;
         }
     }
-    still_.resize(still.size());
-    tbb::parallel_for(size_t{0}, still.size(), [&](size_t i) {
+    still_.resize(still);
+    tbb::parallel_for(size_t{0}, elements_.size(), [&](size_t i) {
         cancel.throw_if_cancelled();
-        still_[i] = at_rest(still[i]);
+        if (elements_[i].at_rest != kNone) still_[elements_[i].at_rest] = at_rest(elements_[i]);
     });
 }
 
