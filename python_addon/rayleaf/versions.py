@@ -357,9 +357,14 @@ def random_walk_has_mean_free_path() -> bool:
     return bpy.app.version >= (5, 2, 0)
 
 
-def reads_geometry(node: Any) -> bool:
-    """True if an Attribute node reads geometry, the only kind before 2.93."""
-    return getattr(node, "attribute_type", "GEOMETRY") == "GEOMETRY"
+def shows_geometry() -> bool:
+    """Whether Blender shows the instances that geometry nodes make, with their attributes. Since 4.5."""
+    return bpy.app.version >= (4, 5, 0)
+
+
+def evaluated_geometry(owner: Any) -> Any:
+    """All geometry of an evaluated object, a GeometrySet; None where Blender does not show it, and where there is none."""
+    return owner.evaluated_geometry() if shows_geometry() and owner.data is not None else None
 
 
 def closed_twist() -> str:

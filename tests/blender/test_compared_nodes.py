@@ -10,6 +10,9 @@ pytestmark = pytest.mark.nodes
 SCRIPT = Path(__file__).parent / "node_inventory.py"
 # What no comparison has: node -> modes, "input NAME" and "output NAME", each with the reason.
 NOT_COMPARED = {
+    "ShaderNodeAttribute": dict.fromkeys(
+        ("attribute_type=INSTANCER", "attribute_type=VIEW_LAYER"), "compared by test_instancer_attributes_oracle.py"
+    ),
     "ShaderNodeMixRGB": {"use_alpha=True": "of the compositor's node, which shares the definition"},
     "ShaderNodeBump": {"input Filter Width": "named by a message where it is another than at first"},
     "ShaderNodeBsdfPrincipled": {

@@ -48,6 +48,15 @@ def property_of_the_object():
 def move_it():
     cube.location.z = 0.6
 
+def property_of_the_scene():
+    scene["tint"] = (0.1, 0.6, 0.9)
+    node = link("ShaderNodeAttribute", "Color")
+    node.attribute_type, node.attribute_name = "VIEW_LAYER", "tint"
+
+def change_it():
+    scene["tint"] = (0.9, 0.2, 0.1)
+    scene.update_tag()
+
 def driven_lamp():
     follow(lamp, "hide_viewport", "x > 1")
     lamp.data.energy *= 2
@@ -68,15 +77,15 @@ def edit_mode():
     edited.verts[0].co.x += 1
     bmesh.update_edit_mesh(cube.data)
 
-EDITS = [uv_of_a_map, driven_color, move_what_drives_it, property_of_the_object, move_it, driven_lamp, move_what_hides_it,
-         pass_of_coordinates, edit_mode]
+EDITS = [uv_of_a_map, driven_color, move_what_drives_it, property_of_the_object, move_it, property_of_the_scene,
+         change_it, driven_lamp, move_what_hides_it, pass_of_coordinates, edit_mode]
 """
 
 
 def test_a_view_shows_what_blender_does_not_tell(window, tmp_path):  # noqa: F811
-    run = window(VIEW + HIDDEN_CHANGES + COMPARE, tmp_path / "hidden.png", 0, 9, size=SMALL)
+    run = window(VIEW + HIDDEN_CHANGES + COMPARE, tmp_path / "hidden.png", 0, 11, size=SMALL)
     assert "Traceback" not in run.log
-    assert len(run.report["differences"]) == 9
+    assert len(run.report["differences"]) == 11
     check(run.report["differences"])
 
 

@@ -61,6 +61,16 @@ def flat_values(attributes: Any, name: str, domain: str) -> Floats | None:
     return _flat(attribute) if attribute is not None and attribute.domain == domain else None
 
 
+def integers(attributes: Any, name: str) -> Ints | None:
+    """(elements,) of the attribute of a name, if it is of whole numbers."""
+    attribute = find(attributes, name)
+    if attribute is None or attribute.data_type != "INT":
+        return None
+    values = np.empty(len(attribute.data), np.int32)
+    attribute.data.foreach_get("value", values)
+    return values
+
+
 def for_shading(values: Floats | None) -> Floats | None:
     """What shaders see of an attribute's values: a single number as a grey."""
     return np.repeat(values, 3, axis=1) if values is not None and values.shape[1] == 1 else values

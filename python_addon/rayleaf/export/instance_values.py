@@ -1,12 +1,13 @@
 """Values of whole instances that materials ask for: the object's colour and properties, the particle it stands for, the place on
 what makes it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import versions
 from .random_numbers import random_of_number
 
 Floats = NDArray[np.float32]
@@ -18,8 +19,9 @@ PROPERTY_OF = "\nproperty of object "  # its name follows
 PARTICLE = "\nparticle "  # one of Particle Info's outputs follows
 INSTANCER = "\ninstancer "  # a texture coordinate of what makes it follows
 INSTANCER_GENERATED, INSTANCER_UV = INSTANCER + "generated", INSTANCER + "uv"
+INSTANCER_ATTRIBUTE = "\nattribute of instancer "  # its name follows
 
-_NONE: Value = (0.0, 0.0, 0.0, 0.0)
+NONE: Value = (0.0, 0.0, 0.0, 0.0)
 
 
 def _of_number(value: Any) -> Value:
@@ -58,20 +60,36 @@ def _property_at(owner: Any, path: str) -> Value | None:
     return (red, green, blue, alpha) if numbers else None
 
 
-def property_of(owner: Any, name: str) -> Value:
-    """A custom property of an object, else a property of Blender's, else those of its data; 0 without."""
+def found_property(holder: Any, name: str) -> Value | None:
+    """A custom property of a data block, else a property of Blender's."""
     quoted = name.replace("\\", "\\\\").replace('"', '\\"')
-    for holder in (owner, owner.data):
-        for path in (f'["{quoted}"]', name):
-            found = None if holder is None else _property_at(holder, path)
-            if found is not None:
-                return found
-    return _NONE
+    found = _property_at(holder, f'["{quoted}"]')
+    return _property_at(holder, name) if found is None else found
+
+
+def first_property(holders: Iterable[Any], name: str) -> Value:
+    """Of the first holder that has it; None among them has none. 0 without."""
+    for holder in holders:
+        found = None if holder is None else found_property(holder, name)
+        if found is not None:
+            return found
+    return NONE
+
+
+def scene_holders(depsgraph: Any) -> tuple[Any, ...]:
+    """The data blocks whose properties count as a scene's, the first that has one."""
+    scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+    return (layer, scene, versions.world_of(scene, layer))
+
+
+def property_of(owner: Any, name: str) -> Value:
+    """A property of an object, else of its data; 0 without."""
+    return first_property((owner, owner.data), name)
 
 
 def is_instance_value(name: str) -> bool:
     """Whether an attribute is one of these."""
-    return name == OBJECT_COLOR or name.startswith((PROPERTY_OF, PARTICLE, INSTANCER))
+    return name == OBJECT_COLOR or name.startswith((PROPERTY_OF, PARTICLE, INSTANCER, INSTANCER_ATTRIBUTE))
 
 
 def of_object(owner: Any, name: str) -> Value:
@@ -87,7 +105,7 @@ def of_particle(known: tuple[Any, int] | None, name: str, frame: int) -> Value:
     output = name.removeprefix(PARTICLE)
     system, index = (None, 0) if known is None else known
     if system is None or not 0 <= index < len(system.particles):
-        return _of_number(random_of_number(0)) if output == "Random" else _NONE
+        return _of_number(random_of_number(0)) if output == "Random" else NONE
     return _PARTICLE_VALUES[output](system.particles[index], index, frame)
 
 
@@ -97,7 +115,7 @@ def of_instancer(depsgraph: Any, name: str) -> Floats:
     rows: list[tuple[float, ...]] = []
     for instance in depsgraph.object_instances:  # to the end: see instances.collect
         if not instance.is_instance:
-            rows.append(_NONE)
+            rows.append(NONE)
         elif name == INSTANCER_UV:
             rows.append((*instance.uv, 0.0, 1.0))
         else:

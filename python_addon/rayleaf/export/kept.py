@@ -4,6 +4,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from .instance_values import Value
+
 
 @dataclass(frozen=True)
 class KeptShape:
@@ -40,6 +42,7 @@ class KeptExport:
     scene: Any | None = None  # the core's SceneDescription
     shapes: dict[Any, KeptShape] = field(default_factory=dict)
     materials: dict[int, CompiledMaterial] = field(default_factory=dict)  # by pointer of the original
+    scene_properties: dict[str, Value] = field(default_factory=dict)  # of the scene, that they hold
 
     def without(self, changed: Iterable[int], images_changed: bool) -> "KeptExport":
         """What is left where these data blocks have changed."""
@@ -52,4 +55,5 @@ class KeptExport:
                 for pointer, kept in self.materials.items()
                 if pointer not in gone and not (images_changed and kept.uses_images)
             },
+            self.scene_properties,
         )

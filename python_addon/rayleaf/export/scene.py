@@ -22,6 +22,7 @@ from . import (
     unsupported,
 )
 from .images import ImageLibrary
+from .instancer_attributes import of_instancers
 from .kept import KeptExport, KeptShape
 from .light_linking import LightLinks
 from .lights import LightExporter
@@ -107,6 +108,8 @@ class SceneExporter(ShapeExporter, LightExporter):
             images,
             self._blender_scene.frame_current,
             self._named.aovs,
+            scene_holders=instance_values.scene_holders(depsgraph),
+            scene_properties=dict(self._former.scene_properties),
         )
         self.materials = MaterialLibrary(
             core, self.scene, self._resources, messages, depsgraph, self._check_cancel, self._former
@@ -158,7 +161,12 @@ class SceneExporter(ShapeExporter, LightExporter):
     @property
     def left(self) -> KeptExport:
         """What a later export may go on with."""
-        return KeptExport(self.scene, self._shapes, self.materials.compiled)
+        return KeptExport(self.scene, self._shapes, self.materials.compiled, self._resources.scene_properties)
+
+    def reads_same_scene(self, depsgraph: Any) -> bool:
+        """Whether the scene's properties that programs hold are what they were."""
+        holders, held = instance_values.scene_holders(depsgraph), self._resources.scene_properties
+        return all(instance_values.first_property(holders, name) == value for name, value in held.items())
 
     @property
     def wanted_attributes(self) -> frozenset[str]:
@@ -360,8 +368,8 @@ class SceneExporter(ShapeExporter, LightExporter):
         values = {}
         for name in filter(instance_values.is_instance_value, self._resources.wanted_attributes):
             rows: list[Any] = []
-            made = name.startswith(instance_values.INSTANCER)
-            of_place = instance_values.of_instancer(self._depsgraph, name)[listed.numbers] if made else None
+            of_all = self._of_instancers(name)
+            of_place = None if of_all is None else of_all[listed.numbers]
             for owner, members in owned:
                 if of_place is not None:
                     rows += of_place[members].tolist()
@@ -372,6 +380,14 @@ class SceneExporter(ShapeExporter, LightExporter):
                     rows += [instance_values.of_object(owner, name)] * len(members)
             values[self._resources.attribute_id(name)] = np.array(rows, np.float32)
         return values
+
+    def _of_instancers(self, name: str) -> Any | None:
+        """(n, 4): what instances have from what makes them, of all in the depsgraph's list; None for other attributes."""
+        if name.startswith(instance_values.INSTANCER):
+            return instance_values.of_instancer(self._depsgraph, name)
+        if not name.startswith(instance_values.INSTANCER_ATTRIBUTE):
+            return None
+        return of_instancers(self._depsgraph, name.removeprefix(instance_values.INSTANCER_ATTRIBUTE), self._messages)
 
     def _ray_interpolation(self, owner: Any) -> int:
         """The index of an object's own settings for ray interpolation, -1 for the scene's."""

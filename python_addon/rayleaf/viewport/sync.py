@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import versions
 from ..export.camera import Frame
-from ..export.instance_values import PROPERTY_OF
+from ..export.instance_values import INSTANCER_ATTRIBUTE, PROPERTY_OF
 from ..export.kept import KeptExport
 from ..export.light_linking import LightLinks
 from ..export.scene import SceneExporter
@@ -69,7 +69,8 @@ class SceneSync:
         changes, textures = Changes.of(depsgraph.updates), 0 if former is None else former.textures
         self._exporter = None  # an export that fails leaves nothing
         exporter = former
-        if former is None or circumstances != self._circumstances or self._added > _MOST_ADDED:
+        is_other = circumstances != self._circumstances or self._added > _MOST_ADDED
+        if former is None or is_other or not former.reads_same_scene(depsgraph):
             exporter = self._exported(depsgraph, view, None)
             self._added = 0
         elif not (changes.is_simple and self._are_known(changes.reshaded) and _edit(former, depsgraph, changes)):
@@ -152,7 +153,7 @@ def _place(exporter: SceneExporter, depsgraph: Any, rows: dict[int, Any]) -> boo
 def _rows_of(exporter: SceneExporter, changes: Changes) -> dict[int, Any] | None:
     """The objects that have moved, by instance; None where more depends on where they are."""
     rows = {}
-    reads_objects = any(name.startswith(PROPERTY_OF) for name in exporter.wanted_attributes)  # as where they are
+    reads_objects = any(name.startswith((PROPERTY_OF, INSTANCER_ATTRIBUTE)) for name in exporter.wanted_attributes)  # as where they are
     for pointer, block in changes.moved.items():
         if block.is_instancer or block.instance_type != "NONE" or len(block.particle_systems) > 0:
             return None

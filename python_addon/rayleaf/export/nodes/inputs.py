@@ -6,7 +6,14 @@ from numpy.typing import NDArray
 from ... import versions
 from ...names import text_of
 from ..attributes import STRAND_INFO, STRAND_RANDOM
-from ..instance_values import INSTANCER_GENERATED, INSTANCER_UV, OBJECT_COLOR, PARTICLE, PROPERTY_OF
+from ..instance_values import (
+    INSTANCER_ATTRIBUTE,
+    INSTANCER_GENERATED,
+    INSTANCER_UV,
+    OBJECT_COLOR,
+    PARTICLE,
+    PROPERTY_OF,
+)
 from ..mesh_derived import ISLAND_RANDOM, POINTINESS, REST_PLACE, TANGENT_OF
 from ..points import IS_POINT, POSITION, RADIUS, RANDOM
 from .compiler import NodeView, value_node
@@ -116,13 +123,11 @@ def object_info(view: NodeView, output: str) -> Register:
 @value_node("ShaderNodeAttribute")
 def attribute(view: NodeView, output: str) -> Register:
     """Attribute."""
-    if not versions.reads_geometry(view.node) and view.node.attribute_type == "OBJECT":
-        name = PROPERTY_OF + text_of(view.node, "attribute_name")
-        return _attribute_output(view, output, view.resources.attribute(name))
-    if not versions.reads_geometry(view.node):
-        view.warn(f"attributes of type {view.node.attribute_type.lower()} are not supported; zero is used")
-        return view.emitter.scalar(0.0)
-    return _attribute_output(view, output, view.resources.attribute(text_of(view.node, "attribute_name")))
+    name, kind = text_of(view.node, "attribute_name"), view.node.attribute_type
+    if kind == "VIEW_LAYER":
+        return _parts_of(view, output, view.emitter.constant(*view.resources.scene_property(name)))
+    prefix = {"OBJECT": PROPERTY_OF, "INSTANCER": INSTANCER_ATTRIBUTE}.get(kind, "")
+    return _attribute_output(view, output, view.resources.attribute(prefix + name))
 
 
 @value_node("ShaderNodeVertexColor")
@@ -133,7 +138,10 @@ def color_attribute(view: NodeView, output: str) -> Register:
 
 
 def _attribute_output(view: NodeView, output: str, identifier: int) -> Register:
-    value = view.emitter.operation("attribute", ints=[identifier])
+    return _parts_of(view, output, view.emitter.operation("attribute", ints=[identifier]))
+
+
+def _parts_of(view: NodeView, output: str, value: Register) -> Register:
     if output == "Fac":
         return view.emitter.operation("average", [value])
     return view.emitter.component(value, 3) if output == "Alpha" else value

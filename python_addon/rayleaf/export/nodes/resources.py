@@ -3,9 +3,11 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Any
 
 from ..attributes import ACTIVE_COLOR, ACTIVE_UV
 from ..images import ImageLibrary
+from ..instance_values import Value, first_property
 
 
 @dataclass
@@ -26,6 +28,13 @@ class Resources:
     # By name the outputs that a view layer asks for: the slot of the core's film, and whether it is a colour.
     aovs: dict[str, tuple[int, bool]] = field(default_factory=dict)
     wanted_attributes: set[str] = field(default_factory=set)
+    scene_holders: tuple[Any, ...] = ()  # data blocks whose properties are the scene's
+    scene_properties: dict[str, Value] = field(default_factory=dict)  # those that programs hold
+
+    def scene_property(self, name: str) -> Value:
+        """A property of the view layer, else of the scene, else of the world; 0 without."""
+        self.scene_properties[name] = first_property(self.scene_holders, name)
+        return self.scene_properties[name]
 
     def attribute(self, name: str) -> int:
         """The id of an attribute; shapes that have it will carry it."""
