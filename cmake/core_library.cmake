@@ -2,7 +2,8 @@
 # hides every symbol but its init function.
 file(GLOB RAYLEAF_SOURCES CONFIGURE_DEPENDS core/*/*.cpp)
 list(FILTER RAYLEAF_SOURCES EXCLUDE REGEX "core/python/")
-add_library(rayleaf_core STATIC ${RAYLEAF_SOURCES})
+list(REMOVE_ITEM RAYLEAF_SOURCES ${RAYLEAF_IMAGE_SOURCES})
+add_library(rayleaf_core STATIC ${RAYLEAF_SOURCES} $<TARGET_OBJECTS:rayleaf_images>)
 # Sources that Highway compiles for each kind of processor are alone in their translation unit.
 foreach(source ${RAYLEAF_SOURCES})
   file(STRINGS ${source} lanes REGEX "HWY_TARGET_INCLUDE" LIMIT_COUNT 1)
