@@ -1,6 +1,7 @@
 #include "integrators/subsurface_guide.h"
 
 #include "integrators/medium_weights.h"
+#include "shading/phase.h"
 
 #include <algorithm>
 #include <cmath>

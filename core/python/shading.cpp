@@ -190,6 +190,32 @@ Floats density(const Closures& closures, const Vector& outgoing, const Floats& i
     return values;
 }
 
+Floats evaluate_medium(const Closures& closures, const Vector& outgoing, const Floats& incoming) {
+    check_shape("closures", "incoming", incoming, {-1, 3});
+    const auto count = static_cast<size_t>(incoming.shape(0));
+    Floats values = rows(count, 3);
+    for (size_t i = 0; i < count; ++i) put(values, i, closures.medium.evaluate(vec(outgoing), row_of(incoming, i)));
+    return values;
+}
+
+py::dict sample_medium(const Closures& closures, const Vector& outgoing, const Floats& random) {
+    check_shape("closures", "random", random, {-1, 3});
+    const auto count = static_cast<size_t>(random.shape(0));
+    Floats direction = rows(count, 3), weight = rows(count, 3);
+    Floats density_of(static_cast<py::ssize_t>(count));
+    for (size_t i = 0; i < count; ++i) {
+        const PhaseSample s = closures.medium.sample(vec(outgoing), row_of(random, i)).value_or(PhaseSample{});
+        put(direction, i, s.direction);
+        put(weight, i, s.weight);
+        density_of.mutable_data()[i] = s.density;
+    }
+    py::dict result;
+    result["direction"] = direction;
+    result["weight"] = weight;
+    result["density"] = density_of;
+    return result;
+}
+
 py::dict sample_closures(const Closures& closures, const Vector& outgoing, const Vector& facet_normal,
                          const Floats& random) {
     check_shape("closures", "random", random, {-1, 3});
@@ -287,6 +313,10 @@ void bind_closures(py::module_& module) {
         .def("density", &density, "outgoing"_a, "incoming"_a, "facet_normal"_a, "Density of `sample`: (n,).")
         .def("sample", &sample_closures, "outgoing"_a, "facet_normal"_a, "random"_a,
              "Sampled directions for random numbers (n, 3): arrays by name.")
+        .def("evaluate_medium", &evaluate_medium, "outgoing"_a, "incoming"_a,
+             "Scattering times phase function, of a medium's program, for each incoming direction: (n, 3).")
+        .def("sample_medium", &sample_medium, "outgoing"_a, "random"_a,
+             "Directions that a medium's program samples for random numbers (n, 3): arrays by name; density 0: none.")
         .def("has_smooth_lobes", &Closures::has_smooth_lobes)
         .def(
             "albedo",

@@ -1,11 +1,11 @@
-// What a participating medium does to light at a point, and its phase functions.
+// What a participating medium does to light at a point.
 //
-// The phase function is Henyey and Greenstein's (1941): g > 0 scatters forwards, g < 0 backwards, 0 alike everywhere.
 // Directions are unit, world space; `incoming` and `outgoing` both point away from the place of scattering, towards the
 // light and towards the viewer.
 #pragma once
 
 #include "base/vector.h"
+#include "shading/phase.h"
 
 #include <array>
 #include <optional>
@@ -14,7 +14,7 @@ namespace rayleaf {
 
 struct PhaseLobe {
     Color scattering{0, 0, 0};  ///< per world unit
-    float g = 0;                ///< mean cosine of the angle by which light is turned, within (-1, 1)
+    PhaseFunction phase;
 };
 
 /// A sampled direction.
@@ -38,7 +38,7 @@ struct MediumClosures {
     }
     bool scatters() const { return count > 0; }
     /// Numbers that are not finite or negative become 0. Past kMostPhases the last takes the rest.
-    void add_scattering(const Color& scattering, float g);
+    void add_scattering(const Color& scattering, const PhaseFunction& phase);
     void add_extinction(const Color& more);
     void scale(float factor);
     /// All that another medium at the same place does.
@@ -50,8 +50,5 @@ struct MediumClosures {
     /// `random` in [0,1)³, z chooses the phase function. Empty where nothing scatters.
     std::optional<PhaseSample> sample(const Vec3f& outgoing, const Vec3f& random) const;
 };
-
-/// Henyey and Greenstein's phase function; `cosine` of the angle between light before and after.
-float henyey_greenstein(float cosine, float g);
 
 }  // namespace rayleaf

@@ -128,6 +128,7 @@ constexpr std::string_view kTransform[] = {RAYLEAF_TRANSFORM_VARIANTS(RAYLEAF_NA
 constexpr std::string_view kToon[] = {RAYLEAF_TOON_VARIANTS(RAYLEAF_NAME)};
 constexpr std::string_view kHair[] = {RAYLEAF_HAIR_VARIANTS(RAYLEAF_NAME)};
 constexpr std::string_view kHairFibre[] = {RAYLEAF_HAIR_FIBRE_VARIANTS(RAYLEAF_NAME)};
+constexpr std::string_view kPhase[] = {RAYLEAF_PHASE_VARIANTS(RAYLEAF_NAME)};
 #undef RAYLEAF_NAME
 
 }  // namespace
@@ -146,6 +147,8 @@ std::span<const std::string_view> variants_of(Operation operation) {
     switch (operation) {
         case Operation::math:
             return kMath;
+        case Operation::volume_scatter:
+            return kPhase;
         case Operation::vector_math:
             return kVectorMath;
         case Operation::mix:

@@ -291,7 +291,7 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
         case Operation::volume_absorption:
         case Operation::volume_scatter:
         case Operation::volume_principled:
-            add_volume_closure(operation, operands, inputs, closures);
+            add_volume_closure(operation, variant, operands, inputs, closures);
             return;
         default:
             break;

@@ -1,6 +1,7 @@
 #include "shading/operations_volume.h"
 
 #include "shading/spectrum.h"
+#include "shading/variants.h"
 
 namespace rayleaf {
 namespace {
@@ -25,7 +26,7 @@ Color blackbody_emission(float share, const Color& tint, float temperature) {
 void add_principled(const Operands& operands, const Color& weight, const ShadingInputs& inputs, Closures& closures) {
     const Color color = operands.vector(1), absorbed = not_negative(operands.vector(4));
     const Color density = weight * amount(operands, 2);
-    closures.medium.add_scattering(color * density, operands.scalar(3));
+    closures.medium.add_scattering(color * density, draine_phase(operands.scalar(3), 0.0f));
     const Color absorption_root(std::sqrt(absorbed.x), std::sqrt(absorbed.y), std::sqrt(absorbed.z));
     closures.medium.add_extinction((color + rest_of(color) * rest_of(absorption_root)) * density);
     if (inputs.path.shadow) return;
@@ -35,16 +36,33 @@ void add_principled(const Operands& operands, const Color& weight, const Shading
     if (blackbody > 0.0f) closures.emission += blackbody_emission(blackbody, operands.vector(8), operands.scalar(9));
 }
 
+void add_scattering(PhaseVariant variant, const Operands& operands, const Color& scattering, MediumClosures& medium) {
+    switch (variant) {
+        case PhaseVariant::HENYEY_GREENSTEIN:
+            return medium.add_scattering(scattering, draine_phase(operands.scalar(3), 0.0f));
+        case PhaseVariant::DRAINE:
+            return medium.add_scattering(scattering, draine_phase(operands.scalar(3), operands.scalar(4)));
+        case PhaseVariant::RAYLEIGH:
+            return medium.add_scattering(scattering, draine_phase(0.0f, 1.0f));
+        case PhaseVariant::FOURNIER_FORAND:
+            return medium.add_scattering(scattering, fournier_forand_phase(operands.scalar(3), operands.scalar(4)));
+        case PhaseVariant::MIE:
+            for (const auto& [phase, share] : mie_phase(operands.scalar(3)))
+                medium.add_scattering(scattering * share, phase);
+            return;
+    }
+}
+
 }  // namespace
 
-void add_volume_closure(Operation operation, const Operands& operands, const ShadingInputs& inputs,
+void add_volume_closure(Operation operation, uint8_t variant, const Operands& operands, const ShadingInputs& inputs,
                         Closures& closures) {
     const Color weight = operands.vector(0, Color(1.0f));
     if (operation == Operation::volume_principled) return add_principled(operands, weight, inputs, closures);
     const Color density = weight * amount(operands, 2);
     if (operation == Operation::volume_absorption)
         return closures.medium.add_extinction(rest_of(operands.vector(1)) * density);
-    closures.medium.add_scattering(operands.vector(1) * density, operands.scalar(3));
+    add_scattering(static_cast<PhaseVariant>(variant), operands, operands.vector(1) * density, closures.medium);
     closures.medium.add_extinction(operands.vector(1) * density);
 }
 

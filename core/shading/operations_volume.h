@@ -9,6 +9,8 @@
 namespace rayleaf {
 
 /// Absorption, scattering, and all that the Principled Volume does.
-void add_volume_closure(Operation operation, const Operands& operands, const ShadingInputs& inputs, Closures& closures);
+/// `variant`: the phase function of `volume_scatter`, a PhaseVariant.
+void add_volume_closure(Operation operation, uint8_t variant, const Operands& operands, const ShadingInputs& inputs,
+                        Closures& closures);
 
 }  // namespace rayleaf

@@ -148,7 +148,8 @@ Program::Instruction Program::checked(const std::string& identifier, std::span<c
     Instruction instruction{};
     instruction.operation = *operation;
     const std::span<const std::string_view> variants = variants_of(*operation);
-    const bool optional_text = *operation == Operation::principled || *operation == Operation::principled_layers;
+    const bool optional_text = *operation == Operation::principled || *operation == Operation::principled_layers ||
+                               *operation == Operation::volume_scatter;
     if (variants.empty() ? !text.empty() : !(optional_text && text.empty())) {
         const auto found = std::find(variants.begin(), variants.end(), text);
         if (found == variants.end())

@@ -46,6 +46,7 @@ namespace rayleaf {
 #define RAYLEAF_TOON_VARIANTS(X) X(DIFFUSE) X(GLOSSY)
 #define RAYLEAF_HAIR_VARIANTS(X) X(REFLECTION) X(TRANSMISSION)
 #define RAYLEAF_HAIR_FIBRE_VARIANTS(X) X(COLOR) X(MELANIN) X(ABSORPTION)
+#define RAYLEAF_PHASE_VARIANTS(X) X(HENYEY_GREENSTEIN) X(FOURNIER_FORAND) X(DRAINE) X(RAYLEIGH) X(MIE)
 // clang-format on
 
 #define RAYLEAF_ENUMERATOR(name) name,
@@ -69,6 +70,7 @@ enum class TransformVariant : uint8_t { RAYLEAF_TRANSFORM_VARIANTS(RAYLEAF_ENUME
 enum class ToonVariant : uint8_t { RAYLEAF_TOON_VARIANTS(RAYLEAF_ENUMERATOR) };
 enum class HairVariant : uint8_t { RAYLEAF_HAIR_VARIANTS(RAYLEAF_ENUMERATOR) };
 enum class HairColoring : uint8_t { RAYLEAF_HAIR_FIBRE_VARIANTS(RAYLEAF_ENUMERATOR) };
+enum class PhaseVariant : uint8_t { RAYLEAF_PHASE_VARIANTS(RAYLEAF_ENUMERATOR) };
 #undef RAYLEAF_ENUMERATOR
 
 /// The variant of `noise`, which no text names: what the operations after it read. Unread counts as all.

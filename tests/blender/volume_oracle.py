@@ -41,7 +41,9 @@ def shader(tree, named, described):
     kind, inputs = described
     node = tree.nodes.new(f"ShaderNode{kind}")
     for name, value in inputs.items():
-        if isinstance(value, tuple) and isinstance(value[0], str):
+        if name == "phase":
+            node.phase = value
+        elif isinstance(value, tuple) and isinstance(value[0], str):
             tree.links.new(shader(tree, named, value), node.inputs[name])
         elif isinstance(value, str):
             tree.links.new(named[value], node.inputs[name])

@@ -27,12 +27,42 @@ PRINCIPLED = {"Color": (0.7, 0.5, 0.3, 1), "Density": 1.1, "Anisotropy": 0.3, "A
 GLOW = {"Emission Strength": 0.4, "Emission Color": (0.2, 0.5, 0.9, 1)}
 FIRE = {"Blackbody Intensity": 0.9, "Blackbody Tint": (1, 0.8, 0.7, 1), "Temperature": 1900.0, "Density": 0.3}
 
+# Since 4.3. Mie's goes by other formulas for smaller droplets. Its peak is noisy, so that there is little of it.
+PHASES = {
+    "FOURNIER_FORAND": {"IOR": 1.5, "Backscatter": 0.2},
+    "DRAINE": {"Anisotropy": 0.5, "Alpha": 3.0},
+    "RAYLEIGH": {},
+    "MIE": {"Diameter": 8.0},
+}
+DROPLETS = (0.08, 1.0, 3.0)
+
+
+def scattering_by(phase, **inputs):
+    return Volume(None, ("VolumeScatter", {"phase": phase, **inputs, "Color": FOG[1]["Color"]}))
+
+
+SINCE_4_3 = (
+    {
+        **{f"phase {name}": scattering_by(name, **inputs, Density=0.3) for name, inputs in PHASES.items()},
+        **{f"droplets of {size}": scattering_by("MIE", Diameter=size, Density=0.3) for size in DROPLETS},
+    }
+    if "phase" in bpy.types.ShaderNodeVolumeScatter.bl_rna.properties
+    else {}
+)
 COEFFICIENTS = {
     **{"Absorption Coefficients": (0.3, 0.6, 0.1), "Scatter Coefficients": (0.4, 0.5, 0.8), "Anisotropy": 0.3},
     "Emission Coefficients": (0.05, 0.02, 0.1),
 }
 SINCE_4_5 = (
-    {"coefficients": Volume(None, ("VolumeCoefficients", COEFFICIENTS))}
+    {
+        "coefficients": Volume(None, ("VolumeCoefficients", COEFFICIENTS)),
+        **{
+            f"coefficients, {name}": Volume(
+                None, ("VolumeCoefficients", {"phase": name, **inputs, "Scatter Coefficients": (0.2, 0.3, 0.4)})
+            )
+            for name, inputs in PHASES.items()
+        },
+    }
     if hasattr(bpy.types, "ShaderNodeVolumeCoefficients")
     else {}
 )
@@ -51,6 +81,7 @@ CASES = {
     "principled": Volume(None, ("VolumePrincipled", PRINCIPLED)),
     "principled, glowing": Volume(None, ("VolumePrincipled", {**PRINCIPLED, **GLOW})),
     "principled, burning": Volume(None, ("VolumePrincipled", FIRE)),
+    **SINCE_4_3,
     **SINCE_4_5,
     "a mixture": Volume(None, ("MixShader", {0: 0.3, 1: TINT, 2: FOG})),
     "a glowing mixture": Volume(

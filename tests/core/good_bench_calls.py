@@ -143,6 +143,8 @@ BENCH_CALLS: dict[str, Call] = {
     "shading.Closures.evaluate": method(closures, "evaluate", outgoing=UP, incoming=TRIPLES, facet_normal=UP),
     "shading.Closures.density": method(closures, "density", outgoing=UP, incoming=TRIPLES, facet_normal=UP),
     "shading.Closures.sample": method(closures, "sample", outgoing=UP, facet_normal=UP, random=TRIPLES),
+    "shading.Closures.evaluate_medium": method(closures, "evaluate_medium", outgoing=UP, incoming=TRIPLES),
+    "shading.Closures.sample_medium": method(closures, "sample_medium", outgoing=UP, random=TRIPLES),
     "shading.Closures.has_smooth_lobes": method(closures, "has_smooth_lobes"),
     "shading.Closures.albedo": method(closures, "albedo", outgoing=UP, kind=shading.LobeKind.DIFFUSE),
     "trace.GeometryCacheSettings": ctor(trace.GeometryCacheSettings, megabytes=1.0),

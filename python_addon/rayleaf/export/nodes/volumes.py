@@ -13,29 +13,33 @@ def absorption(view: NodeView, weight: Register) -> None:
     view.emitter.operation("volume_absorption", [weight, view.input("Color"), view.input("Density")])
 
 
-def _name_phase(view: NodeView) -> None:
+_OF_PHASES = {  # what phase functions ask for
+    "HENYEY_GREENSTEIN": ("Anisotropy",),
+    "DRAINE": ("Anisotropy", "Alpha"),
+    "FOURNIER_FORAND": ("IOR", "Backscatter"),
+    "MIE": ("Diameter",),
+}
+
+
+def _scatter(view: NodeView, weight: Register, color: Register, density: Register) -> None:
     phase = getattr(view.node, "phase", "HENYEY_GREENSTEIN")  # 4.3
-    if phase != "HENYEY_GREENSTEIN":
-        view.warn(f"the phase function {phase.title().replace('_', '-')} is not supported; Henyey-Greenstein is taken")
+    asked = [view.input(name) for name in _OF_PHASES.get(phase, ())] or [view.emitter.scalar(0.0)]
+    view.emitter.operation("volume_scatter", [weight, color, density, *asked], text=phase)
 
 
 @volume_node("ShaderNodeVolumeScatter")
 def scatter(view: NodeView, weight: Register) -> None:
     """Volume Scatter."""
-    _name_phase(view)
-    operands = [weight, view.input("Color"), view.input("Density"), view.input("Anisotropy")]
-    view.emitter.operation("volume_scatter", operands)
+    _scatter(view, weight, view.input("Color"), view.input("Density"))
 
 
 @volume_node("ShaderNodeVolumeCoefficients")
 def coefficients(view: NodeView, weight: Register) -> None:
     """Volume Coefficients of 4.5: each by itself."""
-    _name_phase(view)
     emitter, one = view.emitter, view.emitter.scalar(1.0)
     left = emitter.operation("vector_math", [one, view.input("Absorption Coefficients")], text="SUBTRACT")
     emitter.operation("volume_absorption", [weight, left, one])
-    operands = [weight, view.input("Scatter Coefficients"), one, view.input("Anisotropy")]
-    emitter.operation("volume_scatter", operands)
+    _scatter(view, weight, view.input("Scatter Coefficients"), one)
     emitter.operation("emission", [weight, view.input("Emission Coefficients"), one])
 
 
