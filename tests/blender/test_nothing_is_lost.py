@@ -8,8 +8,12 @@ core = recording_core.install()
 """
 
 NODES = """
+from functools import partial
 from compiled_nodes import compiled, node as made, supported_kinds
+from rayleaf.export.nodes import sky
 
+# Thousands of small skies.
+sky.sky_table, sky.whole_sky_table = (partial(table, width=16, height=8) for table in (sky.sky_table, sky.whole_sky_table))
 images = [bpy.data.images.new(name, 4, 4) for name in "AB"]
 place = scenes.add(None, "Place")
 place.location = (1, 2, 3)
@@ -78,7 +82,6 @@ kinds = supported_kinds()
 
 _OF_HUANG = ("Aspect Ratio", "R lobe", "TT lobe", "TRT lobe")
 _DISPERSION = "Transmission Dispersion"
-_PHASES = {"IOR": "FOURNIER_FORAND", "Backscatter": "FOURNIER_FORAND", "Alpha": "DRAINE", "Diameter": "MIE"}
 # What counts only together with something that is named when it is set.
 WITH_NAMED = {
     ("ShaderNodeTexSky", "ground_albedo"): ("sky_type", "HOSEK_WILKIE"),
@@ -86,8 +89,6 @@ WITH_NAMED = {
     **{("ShaderNodeBsdfHairPrincipled", f"input {name}"): ("model", "HUANG") for name in _OF_HUANG},
     ("ShaderNodeBsdfPrincipled", f"input {_DISPERSION} Abbe Number"): (f"input {_DISPERSION} Scale", "other"),
     **{("ShaderNodeBsdfGlass", f"input {name}"): ("input Anisotropy", "other") for name in ("Rotation", "Tangent")},
-    **{("ShaderNodeVolumeScatter", f"input {name}"): ("phase", phase) for name, phase in _PHASES.items()},
-    **{("ShaderNodeVolumeCoefficients", f"input {name}"): ("phase", phase) for name, phase in _PHASES.items()},
 }
 # What no renderer reads.
 UNREAD = {

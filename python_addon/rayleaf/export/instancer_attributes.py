@@ -13,21 +13,21 @@ import numpy as np
 from .. import versions
 from ..messages import Messages, Subject
 from ..names import name_of
-from .attributes import Floats, Ints, flat_values, integers
+from .attributes import Floats, flat_values, integers
 from .instance_values import NONE, Value, found_property, property_of
 
 _UNUSED = 2**31 - 1  # what stands behind an instance's last number
 
 
-def _as_colors(values: Floats) -> Floats:
-    """(n, 4) of values of one to four channels, as Blender converts them to colours."""
+def _as_colors(values: Floats) -> list[Value]:
+    """Of one to four channels, as Blender converts them to colours."""
     count, channels = values.shape
     if channels == 1:
         values = np.repeat(values, 3, axis=1)
     colors = np.zeros((count, 4), np.float32)
     colors[:, 3] = 1.0
     colors[:, : values.shape[1]] = values
-    return colors
+    return [(red, green, blue, alpha) for red, green, blue, alpha in colors.tolist()]
 
 
 class _Level:
@@ -36,27 +36,33 @@ class _Level:
     def __init__(self, cloud: Any, references: Sequence[Any], name: str) -> None:
         """`cloud`: a point an instance."""
         values = flat_values(cloud.attributes, name, "POINT")
-        self.values = None if values is None else _as_colors(values)
+        self.values: list[Value] | None = None if values is None else _as_colors(values)
         self.references = references
-        self.reference_of: Ints | None = integers(cloud.attributes, ".reference_index")
+        kinds = integers(cloud.attributes, ".reference_index")
+        self.reference_of: list[int] | None = None if kinds is None else kinds.tolist()
         self.below: dict[int, _Level | None] = {}  # by reference
-        self._rows: dict[int, int] = {}
+        self._count = len(cloud.points)
+        self._rows: dict[int, int] | None = None  # by number; None: it is the number
         self._repeated: list[int] = []
         ids = integers(cloud.attributes, "id")
-        for row, number in enumerate(range(len(cloud.points)) if ids is None else ids.tolist()):
-            if self._rows.setdefault(number, row) != row:
-                self._repeated.append(row)
-        self._repeated.reverse()
+        if ids is not None:
+            self._rows = {}
+            for row, number in enumerate(ids.tolist()):
+                if self._rows.setdefault(number, row) != row:
+                    self._repeated.append(row)
+            self._repeated.reverse()
 
     def row(self, number: int) -> int | None:
         """The instance of a number. Blender renumbers those whose number is another's already; they come in their order."""
+        if self._rows is None:
+            return number if 0 <= number < self._count else None
         if number not in self._rows and self._repeated:
             self._rows[number] = self._repeated.pop()
         return self._rows.get(number)
 
     def reference(self, row: int) -> tuple[int, Any]:
         """What an instance shows: its index, and an Object, Collection or GeometrySet."""
-        index = 0 if self.reference_of is None else int(self.reference_of[row])
+        index = 0 if self.reference_of is None else self.reference_of[row]
         return index, self.references[index] if 0 <= index < len(self.references) else None
 
 
@@ -112,7 +118,7 @@ class _Attribute:
         level = self._level_of(maker)
         if level is None and maker.instance_type != "COLLECTION":
             return None
-        numbers = [number for number in instance.persistent_id if number != _UNUSED][::-1]
+        numbers = [number for number in reversed(instance.persistent_id[:]) if number != _UNUSED]
         made = instance.object.original
         return (
             self._in(level, numbers, made) if level else self._in_collection(maker.instance_collection, numbers, made)
@@ -142,8 +148,7 @@ class _Attribute:
             return None
         if inner is not None or level.values is None:
             return inner
-        red, green, blue, alpha = level.values[row].tolist()
-        return (red, green, blue, alpha)
+        return level.values[row]
 
     def _in_object(self, owner: Any, numbers: list[int], made: Any) -> Value | None:
         level = self._level_of(owner.evaluated_get(self._depsgraph))
