@@ -119,6 +119,7 @@ HOLLOW = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", ["PATH", "DISTRIBUTION"])
 @pytest.mark.parametrize("name", HOLLOW)
 def test_no_light_leaves_a_closed_tube(core, name, integrator):

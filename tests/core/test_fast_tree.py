@@ -31,7 +31,7 @@ def in_parts(tree, rays, order, size, threads=1, **spacing):
     return {name: np.concatenate([answer[name] for answer in answers])[back] for name in names}
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [*(pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS[:-1]), KINDS[-1]])
 def test_neither_threads_nor_company_nor_order_nor_cache_size_change_an_answer(kind):
     rays = support.scattered_rays(700, spread=0.6)
     shape, settings = shapes.nurbs_torus(), {"depth_limit": 20, "ior": 1.2, "angle_threshold": 1.5}

@@ -45,6 +45,7 @@ def test_changes_of_samples_agree_with_finite_differences(kind):
     assert checked > 60
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["MIRROR", "GLASS"])
 def test_the_error_is_of_fourth_order_in_the_cells_sides(kind):
     """Four more halvings halve every side: a sixteenth of the error, down to that of float leaves and facets."""

@@ -49,6 +49,7 @@ def pane_scene(core, pane, light, radiance):
     return scene, share * radiance
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("light", LIGHTS)
 @pytest.mark.parametrize("pane", PANES)
 def test_what_a_pane_mirrors_has_less_noise_the_brighter_it_is(core, pane, light):

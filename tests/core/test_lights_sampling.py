@@ -70,6 +70,7 @@ def test_sampling_and_looking_agree_on_density_and_radiance(core, name):
     np.testing.assert_allclose(radiance[seen, 0], samples["radiance"][used][seen, 0], rtol=1e-2, atol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WIDE)
 def test_light_sampling_gives_the_irradiance_of_looking_everywhere(core, name):
     probe = probe_of(core, LAMPS[name])
@@ -216,6 +217,7 @@ def world_probe(core, world, resolution=64):
     return core.LightProbe(scene)
 
 
+@pytest.mark.slow
 def test_the_world_is_sampled_with_the_density_it_claims(core):
     probe = world_probe(core, striped_world(core))
     samples = probe.sample(POSITION, random_numbers(200000))

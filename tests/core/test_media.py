@@ -95,6 +95,7 @@ def test_an_uneven_medium_absorbs_by_its_integral(core, integrator, kind):
     np.testing.assert_allclose(image.mean((0, 1)), np.exp(-2 * mean * np.array([0.5, 1.0, 0.0])), rtol=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("color", [WHITE, (1.0, 0.6, 0.2)], ids=["grey", "coloured"])

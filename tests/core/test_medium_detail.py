@@ -68,6 +68,7 @@ def test_what_the_points_hardly_tell_apart_has_no_detail(core):
     assert core.densities_along(np.ones(64, np.float32), np.zeros(3), np.ones(3)) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind, limit", [("slope", 0.03), ("layers", 0.11)])
 def test_what_a_medium_absorbs_of_camera_rays_has_little_noise(core, kind, limit):
     """Standard deviation of a pixel of one sample. Layers are as thick as cells: without their detail it is 0.14."""
@@ -77,6 +78,7 @@ def test_what_a_medium_absorbs_of_camera_rays_has_little_noise(core, kind, limit
     assert np.std(images, axis=0).mean() < limit
 
 
+@pytest.mark.slow
 def test_light_of_fire_is_sampled_evenly(core):
     """Standard deviation of a pixel of 16 samples: with numbers that are not spread over these it is 0.08."""
     program, _ = uneven(core, "slope", "volume_absorption", (0.3, 0.3, 0.3))

@@ -179,14 +179,14 @@ def test_a_blurred_object_is_the_mean_of_sub_frames(core):
     assert_like(picture(core, scene_of(core, SWING), samples=512, **SMALL), mean, sharp)
 
 
+@pytest.mark.slow
 def test_a_moving_light_lights_as_the_mean_of_sub_frames(core):
     def lit(motion=None, place=None):
         scene = core.SceneDescription()
         grey = material(core, scene, ("diffuse", 1.0, 0.6))
         scene.add_instance("floor", quad(scene, "floor", 4.0), matrix((0, 0, -1)), grey)
         glow = scene.add_material_list([scene.add_material("glow", emission(core, strength=20.0))])
-        lamp = quad(scene, "lamp", 0.3)
-        scene.add_instance("lamp", lamp, matrix() if place is None else place, glow, motion=motion)
+        scene.add_instance("lamp", quad(scene, "lamp", 0.3), matrix() if place is None else place, glow, motion=motion)
         look_down(scene, height=6.0, half=0.5)
         return scene
 

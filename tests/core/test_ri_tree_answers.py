@@ -125,6 +125,7 @@ def test_the_error_at_the_centre_of_a_cell_is_within_the_threshold(kind):
     assert (got["error"] <= threshold).all() and (got["error"] >= distance / extent - 1e-6).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["SIMPLE", "MIRROR", "GLASS"])
 def test_the_error_is_of_second_order_in_the_cells_sides(kind):
     """Four more halvings halve every side: a quarter of the error."""

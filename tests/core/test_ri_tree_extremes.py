@@ -14,6 +14,7 @@ def tree(request):
     return request.param
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["SIMPLE", "GLASS", "VOLUME"])
 def test_pruning_changes_no_answer(tree, kind):
     origins, directions = support.scattered_rays(200, spread=0.6)

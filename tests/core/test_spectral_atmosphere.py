@@ -71,6 +71,7 @@ def color(elevation, azimuth, air):
     return np.maximum(FROM_XYZ @ (total * sky._IRRADIANCE @ sky._XYZ), 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("elevation, altitude", [(0.7, 100.0), (0.15, 3000.0)])
 def test_the_table_holds_what_rays_bring_one_by_one(elevation, altitude):
     air = Air(elevation, altitude, 1.0, 2.0, 0.5)

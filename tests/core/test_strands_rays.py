@@ -94,6 +94,7 @@ RODS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RODS)
 def test_a_ray_leaves_a_glass_rod_as_often_as_it_enters(name):
     counts = crossings(RODS[name](), 4000, seed=3)

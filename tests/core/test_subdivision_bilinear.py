@@ -70,6 +70,7 @@ SHELLS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("smooth", [False, True])
 @pytest.mark.parametrize("displaced", [False, True])
 @pytest.mark.parametrize("name", SHELLS)

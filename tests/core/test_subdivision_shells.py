@@ -30,6 +30,7 @@ def borders(cage):
     return np.concatenate(points) * scale + center
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spread", [0.0, 0.003, 0.05])
 @pytest.mark.parametrize("name", SHELLS)
 def test_every_ray_from_inside_meets_the_shell(name, spread):

@@ -31,6 +31,7 @@ def body_in_even_light(core, form, program):
     return scene
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", ["PATH", "DISTRIBUTION"])
 @pytest.mark.parametrize("anisotropy", [0.0, 0.1, 0.7])
 @pytest.mark.parametrize("paths", [(0.5, 0.3, 0.2), (4.0, 2.0, 0.3)], ids=["dense", "thin"])

@@ -106,7 +106,7 @@ def rays_at(tracer, random, count):
     return origins, shapes.unit(targets - origins)
 
 
-@pytest.mark.parametrize("curvature", [True, False])
+@pytest.mark.parametrize("curvature", [True, pytest.param(False, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("number", range(len(list(scenes()))))
 def test_surface_points_have_the_same_bits_in_lanes(target, number, curvature):
     tracer = trace.Tracer([(*each, shapes.EVERYTHING) for each in list(scenes())[number]])

@@ -52,6 +52,7 @@ def equally_bright(core):
     return scene
 
 
+@pytest.mark.slow
 def test_colours_are_noise_where_brightness_is_not(core):
     session = rendered(core, equally_bright(core), samples=MOST, target_error=0.02)
     assert session.pass_pixels("sample_count").mean() > 32

@@ -270,11 +270,11 @@ def test_stochastic_mixing_finds_values_around_of_which_it_is_the_mean(core, tmp
     assert found.mean() == pytest.approx(mean.values(points)[:, 0].mean(), abs=5 * found.std() / len(found) ** 0.5)
 
 
-@pytest.mark.parametrize("body", ["BOX", "NARROW_BOX"])
+@pytest.mark.parametrize("body", ["BOX", pytest.param("NARROW_BOX", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("place", "least", "low", "high"),
     [
-        ("MIDDLE", 0.0, (1, 2, 3), (22, 9, 8)),
+        pytest.param("MIDDLE", 0.0, (1, 2, 3), (22, 9, 8), marks=pytest.mark.slow),
         ("CORNER", 0.0, (1, 2, 3), (22, 9, 8)),
         ("CORNER", 1.0, (1, 2, 3), (7, 9, 8)),
     ],
