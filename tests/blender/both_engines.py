@@ -67,6 +67,19 @@ def means(picture, side):
     return picture.reshape(cells, side, cells, side, -1).mean((1, 3)).ravel().tolist()
 
 
+def look_straight_down(scene, width, pixels):
+    """A square picture of what stands around the origin, `width` wide, of few samples; nothing behind it."""
+    camera = bpy.data.cameras.new("camera")
+    camera.type, camera.ortho_scale = "ORTHO", width
+    scene.camera = scenes.add(camera)
+    scene.camera.location = (0, 0, 5)
+    scene.render.resolution_x = scene.render.resolution_y = pixels
+    scene.render.film_transparent = True
+    scenes.write_layers()
+    sample_plainly(scene, 4)
+    filter_by_box(scene)
+
+
 def white_floor(size):
     """A diffuse floor seen from straight above, `size` wide in the picture, without any light."""
     scenes.plain_world((0, 0, 0))

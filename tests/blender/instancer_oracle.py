@@ -55,15 +55,7 @@ if __name__ == "__main__":
         bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0 if kind != "PARTICLES" else 9, 0, 0))
         bpy.context.object.data.materials.append(material)
         made_by(kind, bpy.context.object)
-        camera = bpy.data.cameras.new("camera")
-        camera.type, camera.ortho_scale = "ORTHO", 2.4
-        scene.camera = scenes.add(camera)
-        scene.camera.location = (0, 0, 5)
-        scene.render.resolution_x = scene.render.resolution_y = PIXELS
-        scene.render.film_transparent = True
-        scenes.write_layers()
-        both_engines.sample_plainly(scene, 4)
-        both_engines.filter_by_box(scene)
+        both_engines.look_straight_down(scene, 2.4, PIXELS)
         for name, socket in sockets.items():
             tree.links.new(socket, target)
             pictures[f"{kind}, {name}"] = [
