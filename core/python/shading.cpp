@@ -253,14 +253,17 @@ py::dict sample_closures(const Closures& closures, const Vector& outgoing, const
 
 constexpr std::pair<const char*, BumpShadow> kBumpShadows[] = {
     {"NONE", BumpShadow::None}, {"CUBIC", BumpShadow::Cubic}, {"FACETS", BumpShadow::Facets}};
+constexpr std::pair<const char*, Clearing> kClearings[] = {
+    {"NONE", Clearing::None}, {"MIRRORS", Clearing::Mirrors}, {"ALL", Clearing::All}};
 
 void bind_program(py::module_& module) {
     py::class_<Program, std::shared_ptr<Program>>(
         module, "Program", "A flat shader program. The operations are those of core/shading/operations.def.")
-        .def(py::init([](const std::string& name, const std::string& bump_shadow) {
-                 return std::make_shared<Program>(name, named(name, "bump_shadow", bump_shadow, kBumpShadows));
+        .def(py::init([](const std::string& name, const std::string& bump_shadow, const std::string& clearing) {
+                 return std::make_shared<Program>(name, named(name, "bump_shadow", bump_shadow, kBumpShadows),
+                                                  named(name, "clearing", clearing, kClearings));
              }),
-             py::arg("name"), py::arg("bump_shadow") = "CUBIC")
+             py::arg("name"), py::arg("bump_shadow") = "CUBIC", py::arg("clearing") = "ALL")
         .def(
             "constant",
             [](Program& program, float x, float y, float z, float w) { return program.constant(Vec4f(x, y, z, w)); },

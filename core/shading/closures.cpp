@@ -139,6 +139,7 @@ Closures& Closures::operator=(const Closures& other) {
     holdout = other.holdout;
     smooth_normal = other.smooth_normal;
     bump_shadow = other.bump_shadow;
+    clearing = other.clearing;
     aovs = other.aovs;
     medium = other.medium;
     count_ = other.count_;

@@ -138,6 +138,13 @@ enum class BumpShadow : uint8_t {
     Facets,
 };
 
+/// Which lobes' normals are turned until what they mirror clears the facet (`clearing_normal`, operations_closure.h).
+enum class Clearing : uint8_t {
+    None,
+    Mirrors,  ///< of all but matte ones: diffuse, velvet, sheen, toon. Cycles since 3.6.
+    All,      ///< and those that bumps bend. Cycles up to 3.5.
+};
+
 class Closures {
   public:
     static constexpr int kMaxLobes = 16;
@@ -149,6 +156,7 @@ class Closures {
     /// faces away from the light (lobes.h). Zero: none is. `clear` leaves it.
     Vec3f smooth_normal{0, 0, 0};
     BumpShadow bump_shadow = BumpShadow::Cubic;  ///< how; `clear` leaves it too
+    Clearing clearing = Clearing::All;           ///< `clear` leaves it too
     /// Where the program writes its AOVs, by slot; empty: nowhere. Its caller sets it.
     std::span<Vec4f> aovs;
     MediumClosures medium;  ///< of a program of a volume; its emission is per world unit

@@ -71,12 +71,18 @@ std::optional<Color> EvenClosures::even_emission() const {
     return first;
 }
 
-void EvenClosures::copy(const ShadingInputs& inputs, Closures& result) const {
+bool EvenClosures::copy(const ShadingInputs& inputs, Closures& result) const {
     const size_t behind = is_backfacing(inputs) ? 1 : 0, after_diffuse = inputs.path.diffuse_depth > 0 ? 1 : 0;
-    result.take_turned(of[behind][after_diffuse],
-                       clearing_normal(facing_facet_normal(inputs), inputs.outgoing, facing_normal(inputs)));
-    result.smooth_normal = facing_normal(inputs);
-    result.bump_shadow = of[behind][after_diffuse].bump_shadow;
+    const Closures& even = of[behind][after_diffuse];
+    const Vec3f own = facing_normal(inputs);
+    Vec3f normal = own;
+    if (even.clearing != Clearing::None) normal = clearing_normal(facing_facet_normal(inputs), inputs.outgoing, own);
+    if (even.clearing == Clearing::Mirrors && normal != own) return false;
+    result.take_turned(even, normal);
+    result.smooth_normal = own;
+    result.bump_shadow = even.bump_shadow;
+    result.clearing = even.clearing;
+    return true;
 }
 
 }  // namespace rayleaf

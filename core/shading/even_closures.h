@@ -28,8 +28,8 @@ struct EvenClosures {
     explicit EvenClosures(const std::function<void(const ShadingInputs&, Closures&)>& run);
     /// That of all; empty where they differ in it.
     std::optional<Color> even_emission() const;
-    /// `inputs` are of a surface.
-    void copy(const ShadingInputs& inputs, Closures& result) const;
+    /// `inputs` are of a surface. False where the lobes' normals differ, as some alone must clear the facet.
+    bool copy(const ShadingInputs& inputs, Closures& result) const;
 };
 
 }  // namespace rayleaf

@@ -27,11 +27,15 @@ struct Cone {
     }
 };
 
+/// Highlights are not where the normal is bent away from the viewer.
+bool is_seen(const Lobe& lobe, const Vec3f& outgoing) {
+    return lobe.type == LobeType::ToonDiffuse || lobe.normal.dot(outgoing) > 0.0f;
+}
+
 }  // namespace
 
 LobeValue evaluate_toon_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
-    if (side == Side::Transmitted || !(lobe.normal.dot(incoming) > 0.0f) || !(lobe.normal.dot(outgoing) > 0.0f))
-        return {};
+    if (side == Side::Transmitted || !(lobe.normal.dot(incoming) > 0.0f) || !is_seen(lobe, outgoing)) return {};
     const Cone cone(lobe, outgoing);
     const float angle = std::acos(std::clamp(cone.axis.dot(incoming), 0.0f, 1.0f));
     if (angle > cone.width || (lobe.in_front && !(angle < 0.5f * kPi))) return {};
@@ -40,7 +44,7 @@ LobeValue evaluate_toon_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3
 }
 
 std::optional<LobeDirection> sample_toon_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& random) {
-    if (!(lobe.normal.dot(outgoing) > 0.0f)) return std::nullopt;
+    if (!is_seen(lobe, outgoing)) return std::nullopt;
     const Cone cone(lobe, outgoing);
     const float cosine = 1.0f - random.x * (1.0f - std::cos(cone.width));
     const float sine = std::sqrt(std::max(1.0f - cosine * cosine, 0.0f));

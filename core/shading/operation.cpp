@@ -79,8 +79,9 @@ constexpr IntCounts int_counts(Operation operation) {
         case Operation::glass:
             return {0, 2};
         case Operation::subsurface:
-        case Operation::principled_layers:
             return {0, 3};
+        case Operation::principled_layers:
+            return {0, 4};
         case Operation::image:
             return {1, 4 + 2 * kMostTiles};
         case Operation::environment:

@@ -36,10 +36,23 @@ Color weight_of(const Operands& operands) {
     return operands.vector(0, Color(1.0f));
 }
 
-Vec3f scattering_normal(const Operands& operands, uint32_t i, const ShadingInputs& inputs) {
+namespace {
+
+Vec3f wanted_normal(const Operands& operands, uint32_t i, const ShadingInputs& inputs) {
     const Vec3f own = facing_normal(inputs);
-    const Vec3f normal = operands.connected(i) ? normalized_or(operands.vector(i), own) : own;
-    return clearing_normal(facing_facet_normal(inputs), inputs.outgoing, normal);
+    return operands.connected(i) ? normalized_or(operands.vector(i), own) : own;
+}
+
+}  // namespace
+
+Vec3f matte_normal(const Operands& operands, uint32_t i, const ShadingInputs& inputs, Clearing clearing) {
+    const Vec3f wanted = wanted_normal(operands, i, inputs);
+    return clearing == Clearing::All ? clearing_normal(facing_facet_normal(inputs), inputs.outgoing, wanted) : wanted;
+}
+
+Vec3f mirror_normal(const Operands& operands, uint32_t i, const ShadingInputs& inputs, Clearing clearing) {
+    const Vec3f wanted = wanted_normal(operands, i, inputs);
+    return clearing == Clearing::None ? wanted : clearing_normal(facing_facet_normal(inputs), inputs.outgoing, wanted);
 }
 
 float index_beyond(float ior, const ShadingInputs& inputs) {
@@ -50,37 +63,38 @@ float index_beyond(float ior, const ShadingInputs& inputs) {
 
 namespace {
 
-Lobe diffuse_lobe(const Operands& operands, std::span<const int32_t> ints, const ShadingInputs& inputs) {
+Lobe diffuse_lobe(const Operands& operands, std::span<const int32_t> ints, const ShadingInputs& inputs,
+                  Clearing clearing) {
     Lobe lobe;
     lobe.type = LobeType::Diffuse;
     lobe.weight = weight_of(operands) * operands.vector(1);
     lobe.roughness = operands.scalar(2);
     if (!ints.empty() && ints[0] != 0) lobe.fresnel_0 = operands.vector(1);
-    lobe.normal = scattering_normal(operands, 3, inputs);
+    lobe.normal = matte_normal(operands, 3, inputs, clearing);
     return lobe;
 }
 
-Lobe translucent_lobe(const Operands& operands, const ShadingInputs& inputs) {
+Lobe translucent_lobe(const Operands& operands, const ShadingInputs& inputs, Clearing clearing) {
     Lobe lobe;
     lobe.type = LobeType::Translucent;
     lobe.weight = weight_of(operands) * operands.vector(1);
-    lobe.normal = scattering_normal(operands, 2, inputs);
+    lobe.normal = mirror_normal(operands, 2, inputs, clearing);  // as Cycles
     return lobe;
 }
 
-Lobe velvet_lobe(const Operands& operands, const ShadingInputs& inputs) {
+Lobe velvet_lobe(const Operands& operands, const ShadingInputs& inputs, Clearing clearing) {
     Lobe lobe;
     lobe.type = LobeType::Velvet;
     lobe.kind = LobeKind::Glossy;  // as Cycles' passes have it
     lobe.weight = weight_of(operands) * operands.vector(1);
     lobe.roughness = operands.scalar(2);
-    lobe.normal = scattering_normal(operands, 3, inputs);
+    lobe.normal = matte_normal(operands, 3, inputs, clearing);
     return lobe;
 }
 
-Lobe microfibre_lobe(const Operands& operands, const ShadingInputs& inputs) {
+Lobe microfibre_lobe(const Operands& operands, const ShadingInputs& inputs, Clearing clearing) {
     Lobe lobe;
-    lobe.normal = scattering_normal(operands, 3, inputs);
+    lobe.normal = matte_normal(operands, 3, inputs, clearing);
     const Microfibres fibres = microfibres(operands.scalar(2), lobe.normal.dot(inputs.outgoing));
     set_microfibres(lobe, fibres, inputs.outgoing);
     lobe.weight = weight_of(operands) * operands.vector(1) * fibres.albedo;
@@ -88,7 +102,7 @@ Lobe microfibre_lobe(const Operands& operands, const ShadingInputs& inputs) {
 }
 
 Lobe toon_lobe(ToonVariant variant, const Operands& operands, std::span<const int32_t> ints,
-               const ShadingInputs& inputs) {
+               const ShadingInputs& inputs, Clearing clearing) {
     Lobe lobe;
     const bool glossy = variant == ToonVariant::GLOSSY;
     lobe.type = glossy ? LobeType::ToonGlossy : LobeType::ToonDiffuse;
@@ -97,7 +111,7 @@ Lobe toon_lobe(ToonVariant variant, const Operands& operands, std::span<const in
     lobe.roughness = operands.scalar(2);
     lobe.softness = operands.scalar(3);
     lobe.in_front = !ints.empty() && ints[0] != 0;
-    lobe.normal = scattering_normal(operands, 4, inputs);
+    lobe.normal = matte_normal(operands, 4, inputs, clearing);
     return lobe;
 }
 
@@ -166,7 +180,7 @@ SubsurfaceMethod subsurface_method(std::span<const int32_t> ints) {
 }
 
 SubsurfaceParameters subsurface_parameters(const Operands& operands, std::span<const int32_t> ints,
-                                           const ShadingInputs& inputs) {
+                                           const ShadingInputs& inputs, Clearing clearing) {
     SubsurfaceParameters p;
     p.albedo = operands.vector(1);
     p.weight = weight_of(operands) * p.albedo;
@@ -174,7 +188,7 @@ SubsurfaceParameters subsurface_parameters(const Operands& operands, std::span<c
     p.ior = operands.scalar(4);
     p.anisotropy = operands.scalar(5);
     p.method = subsurface_method(ints);
-    p.normal = scattering_normal(operands, 6, inputs);
+    p.normal = mirror_normal(operands, 6, inputs, clearing);
     if (ints.size() > 1 && ints[1] != 0) {
         const float roughness = saturate(operands.scalar(7, 1.0f));
         p.is_refracted = true;
@@ -185,7 +199,8 @@ SubsurfaceParameters subsurface_parameters(const Operands& operands, std::span<c
 }
 
 PrincipledParameters principled_parameters(PrincipledVariant variant, const Operands& operands,
-                                           std::span<const int32_t> ints, const ShadingInputs& inputs) {
+                                           std::span<const int32_t> ints, const ShadingInputs& inputs,
+                                           Clearing clearing) {
     PrincipledParameters p;
     p.multiple_scattering = variant == PrincipledVariant::MULTI_GGX;
     p.weight = weight_of(operands);
@@ -205,8 +220,9 @@ PrincipledParameters principled_parameters(PrincipledVariant variant, const Oper
     p.transmission_roughness = saturate(operands.scalar(14));
     p.emission = operands.vector(15) * operands.scalar(16);
     p.alpha = saturate(operands.scalar(17, 1.0f));
-    p.normal = scattering_normal(operands, 18, inputs);
-    p.clearcoat_normal = scattering_normal(operands, 19, inputs);
+    p.normal = mirror_normal(operands, 18, inputs, clearing);
+    p.matte_normal = clearing == Clearing::All ? p.normal : matte_normal(operands, 18, inputs, clearing);
+    p.clearcoat_normal = mirror_normal(operands, 19, inputs, clearing);
     p.tangent = operands.vector(20, inputs.point->dp_du);
     p.outgoing = inputs.outgoing;
     p.subsurface = saturate(operands.scalar(21));
@@ -235,7 +251,7 @@ void read_sheen_and_coat(const Operands& operands, PrincipledLayers& p) {
 }
 
 PrincipledLayers principled_layers(PrincipledVariant variant, const Operands& operands, std::span<const int32_t> ints,
-                                   const ShadingInputs& inputs) {
+                                   const ShadingInputs& inputs, Clearing clearing) {
     constexpr float kLeastIndex = 1e-5f;  // as Cycles
     PrincipledLayers p;
     p.multiple_scattering = variant == PrincipledVariant::MULTI_GGX;
@@ -253,8 +269,10 @@ PrincipledLayers principled_layers(PrincipledVariant variant, const Operands& op
     p.ior = std::max(operands.scalar(18), kLeastIndex);
     p.from_inside = is_backfacing(inputs);
     p.transmission = saturate(operands.scalar(19));
-    p.normal = scattering_normal(operands, 20, inputs);
-    p.coat_normal = scattering_normal(operands, 21, inputs);
+    p.normal = mirror_normal(operands, 20, inputs, clearing);
+    p.matte_normal = clearing == Clearing::All ? p.normal : matte_normal(operands, 20, inputs, clearing);
+    p.coat_normal = mirror_normal(operands, 21, inputs, clearing);
+    p.matte_coat_normal = matte_normal(operands, 21, inputs, clearing);
     p.tangent = operands.vector(22, inputs.point->dp_du);
     p.outgoing = inputs.outgoing;
     p.diffuse_roughness = saturate(operands.scalar(23));
@@ -268,6 +286,7 @@ PrincipledLayers principled_layers(PrincipledVariant variant, const Operands& op
         p.film.observer = FilmObserver::Gaussians;
         p.film_on_metal = false;
     }
+    p.coat_by_facets = ints.size() > 3 && ints[3] != 0;
     p.is_sheet = operands.scalar(30) > 0.0f;
     p.after_diffuse = leaves_where_it_entered(ints, inputs);
     return p;
@@ -297,21 +316,22 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
             break;
     }
     if (inputs.point == nullptr) return;  // the world scatters nothing
+    const Clearing clearing = closures.clearing;
     switch (operation) {
         case Operation::diffuse:
-            closures.add(diffuse_lobe(operands, ints, inputs));
+            closures.add(diffuse_lobe(operands, ints, inputs, clearing));
             return;
         case Operation::translucent:
-            closures.add(translucent_lobe(operands, inputs));
+            closures.add(translucent_lobe(operands, inputs, clearing));
             return;
         case Operation::velvet:
-            closures.add(velvet_lobe(operands, inputs));
+            closures.add(velvet_lobe(operands, inputs, clearing));
             return;
         case Operation::microfibres:
-            closures.add(microfibre_lobe(operands, inputs));
+            closures.add(microfibre_lobe(operands, inputs, clearing));
             return;
         case Operation::toon:
-            closures.add(toon_lobe(static_cast<ToonVariant>(variant), operands, ints, inputs));
+            closures.add(toon_lobe(static_cast<ToonVariant>(variant), operands, ints, inputs, clearing));
             return;
         case Operation::glossy:
         case Operation::refraction:
@@ -320,7 +340,7 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
             add_microfacets(operation, static_cast<MicrofacetVariant>(variant), operands, ints, inputs, closures);
             return;
         case Operation::smooth_normal:
-            closures.smooth_normal = scattering_normal(operands, 1, inputs);
+            closures.smooth_normal = matte_normal(operands, 1, inputs, clearing);
             return;
         case Operation::transparent:
             closures.transparency += weight * operands.vector(1);
@@ -332,15 +352,16 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
             closures.add(hair_fibre_lobe(static_cast<HairColoring>(variant), operands, inputs));
             return;
         case Operation::subsurface:
-            add_subsurface(subsurface_parameters(operands, ints, inputs), closures);
+            add_subsurface(subsurface_parameters(operands, ints, inputs, clearing), closures);
             return;
         case Operation::principled:
-            add_principled(principled_parameters(static_cast<PrincipledVariant>(variant), operands, ints, inputs),
-                           closures);
+            add_principled(
+                principled_parameters(static_cast<PrincipledVariant>(variant), operands, ints, inputs, clearing),
+                closures);
             return;
         case Operation::principled_layers:
-            add_principled_layers(principled_layers(static_cast<PrincipledVariant>(variant), operands, ints, inputs),
-                                  closures);
+            add_principled_layers(
+                principled_layers(static_cast<PrincipledVariant>(variant), operands, ints, inputs, clearing), closures);
             return;
         default:
             return;

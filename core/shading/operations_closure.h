@@ -18,8 +18,10 @@ Vec3f clearing_normal(const Vec3f& facet_normal, const Vec3f& outgoing, const Ve
 
 /// The first operand of a closure: its weight.
 Color weight_of(const Operands& operands);
-/// The operand `i` as a normal fit for scattering, the surface's own where it is not connected.
-Vec3f scattering_normal(const Operands& operands, uint32_t i, const ShadingInputs& inputs);
+/// The operand `i` as the normal of a matte lobe, the surface's own where it is not connected.
+Vec3f matte_normal(const Operands& operands, uint32_t i, const ShadingInputs& inputs, Clearing clearing);
+/// The same of any other lobe.
+Vec3f mirror_normal(const Operands& operands, uint32_t i, const ShadingInputs& inputs, Clearing clearing);
 /// Index beyond the surface over that on the viewer's side.
 float index_beyond(float ior, const ShadingInputs& inputs);
 

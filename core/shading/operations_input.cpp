@@ -184,7 +184,8 @@ float layer_weight(LayerWeightVariant variant, const ShadingInputs& inputs, floa
 
 }  // namespace
 
-Vec4f bump_value(const Operands& operands, bool inverted, const Heights& heights, const ShadingInputs& inputs) {
+Vec4f bump_value(const Operands& operands, bool inverted, const Heights& heights, const ShadingInputs& inputs,
+                 Clearing clearing) {
     const Vec3f own = facing_normal(inputs);
     const Vec3f normal = operands.connected(3) ? normalized_or(operands.vector(3), own) : own;
     if (inputs.point == nullptr) return extended(normal);
@@ -192,7 +193,8 @@ Vec4f bump_value(const Operands& operands, bool inverted, const Heights& heights
     const Vec3f bent =
         bump_normal(normal, inputs.differential,
                     {heights.here * distance, heights.right * distance, heights.above * distance}, operands.scalar(1));
-    return extended(clearing_normal(facing_facet_normal(inputs), inputs.outgoing, bent));
+    return extended(clearing == Clearing::All ? clearing_normal(facing_facet_normal(inputs), inputs.outgoing, bent)
+                                              : bent);
 }
 
 Vec4f input_value(Operation operation, uint8_t variant, const Operands& operands, std::span<const int32_t> ints,

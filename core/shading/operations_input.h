@@ -2,6 +2,7 @@
 #pragma once
 
 #include "shading/bump.h"
+#include "shading/closures.h"
 #include "shading/inputs.h"
 #include "shading/operands.h"
 #include "shading/operation.h"
@@ -31,6 +32,7 @@ std::optional<Vec4f> grid_value(const ShadingInputs& inputs, int32_t id);
 Vec4f attribute(const ShadingInputs& inputs, int32_t id);
 
 /// The operation `bump`, from heights at the point and its neighbours.
-Vec4f bump_value(const Operands& operands, bool inverted, const Heights& heights, const ShadingInputs& inputs);
+Vec4f bump_value(const Operands& operands, bool inverted, const Heights& heights, const ShadingInputs& inputs,
+                 Clearing clearing);
 
 }  // namespace rayleaf

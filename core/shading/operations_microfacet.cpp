@@ -24,12 +24,13 @@ void set_roughness(Lobe& lobe, MicrofacetVariant variant, float roughness) {
     lobe.distribution = beckmann ? MicrofacetDistribution::Beckmann : MicrofacetDistribution::Ggx;
 }
 
-Lobe glossy_lobe(MicrofacetVariant variant, const Operands& operands, Masking masking, const ShadingInputs& inputs) {
+Lobe glossy_lobe(MicrofacetVariant variant, const Operands& operands, Masking masking, const ShadingInputs& inputs,
+                 Clearing clearing) {
     Lobe lobe;
     lobe.type = LobeType::Reflection;
     lobe.kind = LobeKind::Glossy;
     lobe.masking = masking;
-    lobe.normal = scattering_normal(operands, 3, inputs);
+    lobe.normal = mirror_normal(operands, 3, inputs, clearing);
     set_roughness(lobe, variant, operands.scalar(2));
     const Color color = operands.vector(1);
     lobe.weight = weight_of(operands) * color;
@@ -49,23 +50,23 @@ Lobe glossy_lobe(MicrofacetVariant variant, const Operands& operands, Masking ma
     return lobe;
 }
 
-Lobe refraction_lobe(MicrofacetVariant variant, const Operands& operands, Masking masking,
-                     const ShadingInputs& inputs) {
+Lobe refraction_lobe(MicrofacetVariant variant, const Operands& operands, Masking masking, const ShadingInputs& inputs,
+                     Clearing clearing) {
     Lobe lobe;
     lobe.type = LobeType::Refraction;
     lobe.kind = LobeKind::Transmission;
     lobe.masking = masking;
     lobe.weight = weight_of(operands) * operands.vector(1);
-    lobe.normal = scattering_normal(operands, 4, inputs);
+    lobe.normal = mirror_normal(operands, 4, inputs, clearing);
     lobe.ior = index_beyond(operands.scalar(3), inputs);
     set_roughness(lobe, variant, operands.scalar(2));
     return lobe;
 }
 
 Lobe glass_lobe(MicrofacetVariant variant, const Operands& operands, std::span<const int32_t> ints,
-                const ShadingInputs& inputs) {
+                const ShadingInputs& inputs, Clearing clearing) {
     const Masking masking = masking_of(ints);
-    Lobe lobe = refraction_lobe(variant, operands, masking, inputs);
+    Lobe lobe = refraction_lobe(variant, operands, masking, inputs, clearing);
     lobe.type = LobeType::Glass;
     lobe.fresnel_at_normal = ints.size() > 1 && ints[1] != 0;
     if (variant == MicrofacetVariant::MULTI_GGX) {
@@ -92,12 +93,12 @@ Color mean_reflectance(const Lobe& lobe) {
 }
 
 Lobe metal_lobe(MicrofacetVariant variant, const Operands& operands, std::span<const int32_t> ints,
-                const ShadingInputs& inputs) {
+                const ShadingInputs& inputs, Clearing clearing) {
     Lobe lobe;
     lobe.type = LobeType::Reflection;
     lobe.kind = LobeKind::Glossy;
     lobe.masking = Masking::Joint;
-    lobe.normal = scattering_normal(operands, 4, inputs);
+    lobe.normal = mirror_normal(operands, 4, inputs, clearing);
     lobe.weight = weight_of(operands);
     if (!ints.empty() && ints[0] != 0) {
         lobe.fresnel = Lobe::Fresnel::Conductor;
@@ -137,13 +138,13 @@ void add_microfacets(Operation operation, MicrofacetVariant variant, const Opera
                      std::span<const int32_t> ints, const ShadingInputs& inputs, Closures& closures) {
     switch (operation) {
         case Operation::glossy:
-            return closures.add(glossy_lobe(variant, operands, masking_of(ints), inputs));
+            return closures.add(glossy_lobe(variant, operands, masking_of(ints), inputs, closures.clearing));
         case Operation::refraction:
-            return closures.add(refraction_lobe(variant, operands, masking_of(ints), inputs));
+            return closures.add(refraction_lobe(variant, operands, masking_of(ints), inputs, closures.clearing));
         case Operation::glass:
-            return closures.add(glass_lobe(variant, operands, ints, inputs));
+            return closures.add(glass_lobe(variant, operands, ints, inputs, closures.clearing));
         default:
-            return closures.add(metal_lobe(variant, operands, ints, inputs));
+            return closures.add(metal_lobe(variant, operands, ints, inputs, closures.clearing));
     }
 }
 

@@ -51,11 +51,14 @@ void add_diffuse(const Parameters& p, const Color& weight, Closures& closures) {
     } else {
         Lobe diffuse = lobe_of(LobeType::PrincipledDiffuse, LobeKind::Diffuse, p, weight * color);
         diffuse.roughness = p.roughness;
+        diffuse.normal = p.matte_normal;
         closures.add(diffuse);
     }
     if (!(p.sheen > 0.0f)) return;
     const Color sheen = mixed(Color(1.0f), tint(p.base_color, Color(0.2126729f, 0.7151522f, 0.0721750f)), p.sheen_tint);
-    closures.add(lobe_of(LobeType::Sheen, LobeKind::Diffuse, p, weight * sheen * p.sheen));
+    Lobe fibres = lobe_of(LobeType::Sheen, LobeKind::Diffuse, p, weight * sheen * p.sheen);
+    fibres.normal = p.matte_normal;
+    closures.add(fibres);
 }
 
 /// Index of refraction whose reflectance at normal incidence is 8 % of `specular`.

@@ -17,6 +17,7 @@ struct PrincipledParameters {
     Color emission{0, 0, 0};  ///< radiance
     float alpha = 1;
     Vec3f normal, clearcoat_normal, tangent;  ///< world; normals unit and on the viewer's side
+    Vec3f matte_normal;                       ///< likewise; of the diffuse lobe and of sheen
     Vec3f outgoing;
     float subsurface = 0;  ///< the share of its colour, and a factor on its radius
     Color subsurface_color{0, 0, 0}, subsurface_radius{0, 0, 0};

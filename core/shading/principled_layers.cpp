@@ -59,13 +59,19 @@ Lobe anisotropic_lobe(const PrincipledLayers& p, const Color& weight) {
 Color add_sheen(const PrincipledLayers& p, const Color& weight, Closures& closures) {
     constexpr float kLeastAlbedo = 1e-5f;  // as Cycles
     Lobe lobe;
-    lobe.normal = normalized_or(blended(p.normal, p.coat_normal, saturate(p.coat)), p.normal);
+    lobe.normal = normalized_or(blended(p.matte_normal, p.matte_coat_normal, saturate(p.coat)), p.matte_normal);
     const Microfibres fibres = microfibres(p.sheen_roughness, cosine_to_viewer(p, lobe.normal));
     if (fibres.albedo < kLeastAlbedo) return weight;
     set_microfibres(lobe, fibres, p.outgoing);
     lobe.weight = weight * p.sheen_tint * (p.sheen * fibres.albedo);
     closures.add(lobe);
     return below(weight, lobe.weight);
+}
+
+float coat_reflectance(const PrincipledLayers& p, float cosine) {
+    if (!p.coat_by_facets || !(p.coat_ior > 1.0f)) return dielectric_fresnel(cosine, p.coat_ior);
+    const float straight = normal_fresnel(p.coat_ior);
+    return std::lerp(straight, 1.0f, ggx_fresnel_rise(p.coat_roughness * p.coat_roughness, cosine, p.coat_ior));
 }
 
 Color add_coat(const PrincipledLayers& p, Color weight, Closures& closures) {
@@ -75,7 +81,7 @@ Color add_coat(const PrincipledLayers& p, Color weight, Closures& closures) {
     lobe.fresnel = Lobe::Fresnel::Dielectric;
     lobe.ior = p.coat_ior;
     closures.add(lobe);
-    weight = below(weight, lobe.weight * dielectric_fresnel(cosine, lobe.ior));
+    weight = below(weight, lobe.weight * coat_reflectance(p, cosine));
     if (p.coat_tint == Color(1.0f)) return weight;
     const float inside = std::sqrt(1.0f - (1.0f - cosine * cosine) / (p.coat_ior * p.coat_ior));
     return weight * blended(Color(1.0f), power(p.coat_tint, 1.0f / inside), p.coat);
@@ -237,7 +243,7 @@ void add_body(const PrincipledLayers& p, const Color& weight, Closures& closures
         add_subsurface(body, closures);
     }
     Lobe diffuse;
-    diffuse.normal = p.normal;
+    diffuse.normal = p.matte_normal;
     diffuse.roughness = p.diffuse_roughness;
     diffuse.fresnel_0 = at_most_one(p.base_color);
     diffuse.weight = weight * p.base_color * (1.0f - spread);

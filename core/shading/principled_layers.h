@@ -25,16 +25,18 @@ struct PrincipledLayers {
     float sheen = 0, sheen_roughness = 0.5f;
     Color sheen_tint{1, 1, 1};
     float coat = 0, coat_roughness = 0, coat_ior = 1.5f;
-    Color coat_tint{1, 1, 1};  ///< what is left of light that crosses the coat at normal incidence, twice
-    Color emission{0, 0, 0};   ///< radiance, below the coat
+    bool coat_by_facets = false;  ///< keeps from what lies below what its facets reflect; else, as if it were smooth
+    Color coat_tint{1, 1, 1};     ///< what is left of light that crosses the coat at normal incidence, twice
+    Color emission{0, 0, 0};      ///< radiance, below the coat
     float diffuse_roughness = 0;
     float subsurface = 0;  ///< the share of the body's light that scatters below the surface
     Color subsurface_radius{0, 0, 0};
     float subsurface_ior = 1.4f, subsurface_anisotropy = 0;
     SubsurfaceMethod subsurface_method = SubsurfaceMethod::FixedRadius;
-    ThinFilm film;                       ///< over the body, seen from outside
-    bool film_on_metal = true;           ///< over metal too
-    Vec3f normal, coat_normal, tangent;  ///< world; normals unit and on the viewer's side
+    ThinFilm film;                                   ///< over the body, seen from outside
+    bool film_on_metal = true;                       ///< over metal too
+    Vec3f normal, coat_normal;                       ///< of lobes that mirror, world; unit and on the viewer's side
+    Vec3f matte_normal, matte_coat_normal, tangent;  ///< likewise; of the diffuse lobe and of sheen
     Vec3f outgoing;
     bool after_diffuse = false;  ///< light was scattered by a diffuse lobe before: nobody sees where it leaves a body
     bool multiple_scattering = false;  ///< give back the energy that single scattering loses

@@ -326,6 +326,7 @@ void Program::differentiate(Register target) {
 
 void Program::add_to(ContentHasher& hasher) const {
     hasher.add(static_cast<int>(bump_shadow_));
+    hasher.add(static_cast<int>(clearing_));
     for (const Instruction& instruction : instructions_) {
         hasher.add(static_cast<int>(instruction.operation));
         hasher.add(int{instruction.variant});

@@ -34,9 +34,9 @@ inline constexpr size_t kMostPoints = 32;
 /// Once built it is only read, by all threads.
 class Program {
   public:
-    /// `bump_shadow`: of its closures.
-    explicit Program(std::string name, BumpShadow bump_shadow = BumpShadow::Cubic)
-        : name_(std::move(name)), bump_shadow_(bump_shadow) {}
+    /// `bump_shadow`, `clearing`: of its closures.
+    explicit Program(std::string name, BumpShadow bump_shadow = BumpShadow::Cubic, Clearing clearing = Clearing::All)
+        : name_(std::move(name)), bump_shadow_(bump_shadow), clearing_(clearing) {}
 
     /// A register that holds a constant; its numbers must be finite.
     Register constant(const Vec4f& value);
@@ -153,6 +153,7 @@ class Program {
 
     std::string name_;
     BumpShadow bump_shadow_;
+    Clearing clearing_;
     std::vector<Instruction> instructions_;
     std::vector<Register> operands_;
     std::vector<int32_t> ints_;

@@ -264,7 +264,7 @@ void Program::bend(const Instruction& instruction, std::span<const RegisterBank>
             return operands_of(instruction, places[std::min(place, places.size() - 1)], point).scalar(0);
         };
         const Vec4f normal = bump_value(operands_of(instruction, places[0], point), flag_of(instruction),
-                                        {height(0), height(1), height(2)}, *inputs[point]);
+                                        {height(0), height(1), height(2)}, *inputs[point], clearing_);
         for (size_t place = 0; place < (instruction.differentiated ? places.size() : 1); ++place)
             places[place].set(instruction.result, point, normal);
     }
@@ -343,7 +343,8 @@ std::optional<Color> Program::even_emission() const {
 /// False where the program must run.
 bool Program::copy_even_closures(Inputs inputs, Results results) const {
     if (!even_closures_ || inputs.empty() || inputs[0]->point == nullptr) return false;
-    for (size_t i = 0; i < inputs.size(); ++i) even_closures_->copy(*inputs[i], *results[i]);
+    for (size_t i = 0; i < inputs.size(); ++i)
+        if (!even_closures_->copy(*inputs[i], *results[i])) return false;
     return true;
 }
 
@@ -354,6 +355,7 @@ void Program::evaluate(std::span<const ShadingInputs* const> inputs, std::span<C
         results[i]->clear();
         results[i]->smooth_normal = inputs[i]->point ? facing_normal(*inputs[i]) : Vec3f(0.0f);
         results[i]->bump_shadow = bump_shadow_;
+        results[i]->clearing = clearing_;
     }
     with_registers(inputs.size(), [&](float* numbers) { execute(inputs, numbers, results); });
     for (Closures* result : results) {

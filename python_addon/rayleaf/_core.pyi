@@ -28,9 +28,11 @@ class InputError(ValueError):
 class Program:
     """A flat shader program. The operations are those of core/shading/operations.def."""
 
-    def __init__(self, name: str, bump_shadow: str = "CUBIC") -> None:
+    def __init__(self, name: str, bump_shadow: str = "CUBIC", clearing: str = "ALL") -> None:
         """bump_shadow: how the smooth surface's own shadow darkens bumps of diffuse closures: NONE, CUBIC (Chiang et al.
-        2019, Cycles up to 4.4) or FACETS (Conty Estevez et al. 2019, Cycles since 4.5)."""
+        2019, Cycles up to 4.4) or FACETS (Conty Estevez et al. 2019, Cycles since 4.5).
+        clearing: whose normals are turned until what they mirror clears the facet: those of ALL lobes and of bumps (Cycles up
+        to 3.5), of MIRRORS, which are all lobes but matte ones (since 3.6), or of NONE."""
     def constant(self, x: float, y: float, z: float, w: float) -> int:
         """A register that holds four finite numbers."""
     def operation(

@@ -268,6 +268,11 @@ def transforms_normals() -> bool:
     return bpy.app.version >= (4, 0, 0)
 
 
+def strength_scales_slopes() -> bool:
+    """Whether the strength of a normal map in tangent space scales its slopes; before, it mixed the normals."""
+    return bpy.app.version >= (4, 0, 0)
+
+
 def facets_hide_jointly() -> bool:
     """Whether microfacets mask and shadow each other jointly (the core's Masking); before, independently."""
     return bpy.app.version >= (3, 5, 0)
@@ -312,9 +317,21 @@ def bump_shadow(material: Any) -> str:
     return "CUBIC" if bpy.app.version < (4, 5, 0) else "FACETS"
 
 
+def clearing(material: Any) -> str:
+    """Which lobes of a material have normals that are turned until what they mirror clears the facet, as the core calls it."""
+    if not cycles_setting(material, "use_bump_map_correction", True):
+        return "NONE"
+    return "ALL" if bpy.app.version < (3, 6, 0) else "MIRRORS"
+
+
 def default_surface_is_principled() -> bool:
     """Whether objects without a material look like a Principled node; before, like a Diffuse one. 4.5 has the latter."""
     return bpy.app.version >= (5, 0, 0)
+
+
+def coats_reflect_by_facet() -> bool:
+    """Whether a coat keeps from what lies below what its facets reflect; before 4.5, what it would reflect if it were smooth."""
+    return bpy.app.version >= (4, 5, 0)
 
 
 def thin_films_are_newer() -> bool:

@@ -24,8 +24,8 @@ class InputError(ValueError):
 class Program:
     """Keeps constants and operations; `lines` tells them in words."""
 
-    def __init__(self, name, bump_shadow="CUBIC"):
-        self.name, self.bump_shadow, self.registers, self.lines = name, bump_shadow, [], []
+    def __init__(self, name, bump_shadow="CUBIC", clearing="ALL"):
+        self.name, self.bump_shadow, self.clearing, self.registers, self.lines = name, bump_shadow, clearing, [], []
 
     def constant(self, x, y, z, w):
         self.registers.append((x, y, z, w))

@@ -65,6 +65,9 @@ def _bumps() -> list[Case]:
     for space in ("TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"):
         inputs = {"Color": (0.3, 0.6, 0.9, 1), "Strength": 0.7}
         found.append(Case("ShaderNodeNormalMap", {"space": space}, inputs))
+    # Of the length 1.7, and steeper than the surface is smooth.
+    for color, strength in (((1, 0, 1, 1), 0.5), ((0.2, 0.6, 0.8, 1), 2.5), ((0.6, 0.45, 0.9, 1), -1.0)):
+        found.append(Case("ShaderNodeNormalMap", {"space": "TANGENT"}, {"Color": color, "Strength": strength}))
     if "convention" in bpy.types.ShaderNodeNormalMap.bl_rna.properties:  # 5.1
         for space in ("TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"):
             inputs = {"Color": (0.3, 0.6, 0.9, 1), "Strength": 0.7}

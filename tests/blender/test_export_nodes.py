@@ -218,7 +218,7 @@ for method in node.bl_rna.properties["subsurface_method"].enum_items.keys():
     program, texts = compiled()
     line = program.line(OPERATION)
     found[method] = [program.operands(line)[len(NAMES)][0], len(line["operands"]), line["ints"], len(texts)]
-report(found=found, after=bpy.app.version >= (5, 0, 0))
+report(found=found, version=bpy.app.version)
 """
 DISNEY = [
     *("weight", "Base Color", "Metallic", "Specular", "Specular Tint", "Roughness", "Anisotropic"),
@@ -247,7 +247,8 @@ def test_principled_takes_its_sockets_by_name_and_those_of_subsurface_scattering
     assert run["tangent"] == ["radial_tangent", "", [2]]  # Blender's own, around the object
     assert run["texts"] == []
     count = len(names) + (4 if has_layers else 5)  # layers have no colour of their own below the surface
-    more = [0, 1] if run["after"] else []  # films are newer as well
+    version = tuple(run["version"])
+    more = [int(version < (5, 0)), int(version >= (5, 0)), int(version >= (4, 5))] if has_layers else []
     assert run["found"]["BURLEY"] == [0.5, count, [0, *more], 1]
     walk = [0.5, count, [0 if has_layers else 1, *more], 0]
     legacy = run["found"].get("RANDOM_WALK_LEGACY")  # 5.2, where the plain one is another

@@ -19,9 +19,9 @@ def picture(core, scene, **settings):
     return render(core, scene, **settings).pass_pixels("combined")[..., :3]
 
 
-def material(core, scene, *closures, name="material", bump_shadow="CUBIC"):
+def material(core, scene, *closures, name="material", bump_shadow="CUBIC", clearing="ALL"):
     """A material of the sum of closures (operation, arguments…, keyword text), as a list for an instance."""
-    program = core.Program(name, bump_shadow)
+    program = core.Program(name, bump_shadow, clearing)
     for operation, *arguments in closures:
         text = arguments.pop() if isinstance(arguments[-1], str) else ""
         operands = [program.constant(*(a if isinstance(a, tuple) else (a,) * 3), 1) for a in arguments]

@@ -19,10 +19,15 @@ def scalar(program: Any, value: float) -> int:
 
 
 def program_with(
-    identifier: str, operands: Sequence[Any], text: str = "", ints: Sequence[int] = (), bump_shadow: str = "CUBIC"
+    identifier: str,
+    operands: Sequence[Any],
+    text: str = "",
+    ints: Sequence[int] = (),
+    bump_shadow: str = "CUBIC",
+    clearing: str = "ALL",
 ) -> Any:
     """A program of one operation; operands are numbers, triples, or None for unconnected ones."""
-    program = _core.Program("Test", bump_shadow)
+    program = _core.Program("Test", bump_shadow, clearing)
     registers = []
     for operand in operands:
         if operand is None:
@@ -44,10 +49,10 @@ PRINCIPLED_DEFAULTS = {
 }
 
 
-def principled(text: str = "", **values: Any) -> Any:
+def principled(text: str = "", clearing: str = "ALL", **values: Any) -> Any:
     """A Principled material, by name of operand; the rest as Blender has it."""
     assert set(values) <= set(PRINCIPLED_DEFAULTS)
-    return program_with("principled", list({**PRINCIPLED_DEFAULTS, **values}.values()), text)
+    return program_with("principled", list({**PRINCIPLED_DEFAULTS, **values}.values()), text, clearing=clearing)
 
 
 LAYERS_DEFAULTS = {
@@ -61,10 +66,10 @@ LAYERS_DEFAULTS = {
 }
 
 
-def layers(text: str = "MULTI_GGX", **values: Any) -> Any:
+def layers(text: str = "MULTI_GGX", clearing: str = "ALL", **values: Any) -> Any:
     """A Principled material of Blender 4, by name of operand; the rest as Blender has it."""
     assert set(values) <= set(LAYERS_DEFAULTS)
-    return program_with("principled_layers", list({**LAYERS_DEFAULTS, **values}.values()), text)
+    return program_with("principled_layers", list({**LAYERS_DEFAULTS, **values}.values()), text, clearing=clearing)
 
 
 def direction(cosine: float, azimuth: float = 0.4) -> NDArray[np.float32]:

@@ -26,6 +26,17 @@ PLAIN = {
     "bent, shadowed by facets": lambda: program_with(
         "diffuse", [1.0, WHITE, 0.3, (0.3, 0.1, 0.9)], bump_shadow="FACETS"
     ),
+    **{
+        f"{identifier}, {clearing}": lambda identifier=identifier, operands=operands, clearing=clearing: program_with(
+            identifier, operands, "GGX" * (identifier == "glass"), clearing=clearing
+        )
+        for clearing in ("MIRRORS", "NONE")
+        for identifier, operands in (
+            ("diffuse", [0.7, (0.8, 0.4, 0.1), 0.3]),
+            ("glass", [1.0, WHITE, 0.3, 1.45]),
+            ("subsurface", [1.0, WHITE, 0.5, (1.0, 0.0, 0.2), 1.4, 0.0]),
+        )
+    },
     "principled": lambda: principled(metallic=0.3, clearcoat=1.0, sheen=0.5, transmission=0.4, alpha=0.8),
     "principled, compensated": lambda: principled("MULTI_GGX", metallic=0.3, roughness=0.8, transmission=0.4),
     "principled, stretched": lambda: principled(metallic=1.0, roughness=0.6, anisotropic=0.8),

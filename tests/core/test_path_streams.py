@@ -86,10 +86,11 @@ def test_streams_of_curves_and_hair_give_the_bits_of_single_paths(core, any_targ
             np.testing.assert_array_equal(together[name], alone[name], err_msg=f"{name} by {target}")
 
 
-def scene_of_lobes(core, bump_shadow):
+def scene_of_lobes(core, bump_shadow, clearing):
     """Balls that scatter by a diffuse lobe, by rough facets, or by both; some with normals bent from the surface's."""
     scene = path_scenes.varied_scene(core)
     bent, facing = (0.3, -0.2, 1.0), (0.0, 0.0, 1.0)
+    lying = (1.0, 0.3, 0.2)  # its mirror looks into the surface from much of where it is seen
     metal = shading_support.layers(metallic=1.0, roughness=0.3, specular_tint=(0.3, 0.9, 1.0), anisotropic=0.8)
     materials = [
         [("diffuse", 1.0, (0.7, 0.6, 0.4))],
@@ -102,13 +103,16 @@ def scene_of_lobes(core, bump_shadow):
         shading_support.principled(roughness=0.4),
         shading_support.principled(roughness=0.2, metallic=1.0, anisotropic=0.7, base_color=(0.9, 0.6, 0.2)),
         shading_support.principled(roughness=1.0, specular=0.01, normal=bent),
-        shading_support.layers(roughness=0.3),
+        shading_support.layers(roughness=0.3, clearing=clearing),
+        shading_support.layers(roughness=0.4, clearing=clearing, normal=lying),
         metal,
     ]
     ball = scene.add_surface("small ball", [path_scenes.sphere_spline(core)])
     for i, each in enumerate(materials):
         if isinstance(each, list):
-            of_ball = path_scenes.material(core, scene, *each, name=f"ball {i}", bump_shadow=bump_shadow)
+            of_ball = path_scenes.material(
+                core, scene, *each, name=f"ball {i}", bump_shadow=bump_shadow, clearing=clearing
+            )
         else:
             of_ball = scene.add_material_list([scene.add_material(f"ball {i}", each)])
         place = (0.6 * (i % 4) - 0.9, 0.6 * (i // 4) - 0.6, 0.9)
@@ -116,9 +120,9 @@ def scene_of_lobes(core, bump_shadow):
     return scene
 
 
-@pytest.mark.parametrize("bump_shadow", ["CUBIC", "FACETS"])
-def test_lobes_seen_in_lanes_give_the_bits_of_single_paths(core, any_target, bump_shadow):
-    scene = scene_of_lobes(core, bump_shadow)
+@pytest.mark.parametrize("bump_shadow, clearing", [("CUBIC", "ALL"), ("FACETS", "MIRRORS")])
+def test_lobes_seen_in_lanes_give_the_bits_of_single_paths(core, any_target, bump_shadow, clearing):
+    scene = scene_of_lobes(core, bump_shadow, clearing)
     settings = {"size": 32, "samples": 4, "passes": path_scenes.ALL_PASSES, "filter_glossy": 0.5}
     alone = path_scenes.render(core, scene, stream_paths=0, **settings)
     assert np.ptp(alone.pass_pixels("glossy_indirect")) > 0

@@ -154,6 +154,29 @@ def test_without_bump_shadow_a_bump_follows_lamberts_law():
     np.testing.assert_allclose(found, np.maximum(incoming @ bent, 0.0) / np.pi, rtol=1e-5, atol=1e-7)
 
 
+def tops_of(identifier, operands, clearing, outgoing, text=""):
+    """The directions in which the lobes of bent normals are brightest, of many that lie in the plane of the bend."""
+    program = program_with(identifier, operands, text, bump_shadow="NONE", clearing=clearing)
+    angles = np.linspace(-1.57, 1.57, 4001)
+    incoming = np.stack([np.sin(angles), 0 * angles, np.cos(angles)], 1).astype(np.float32)
+    return angles[np.argmax(closures(program, outgoing).evaluate(outgoing, incoming, UP)[:, 0])]
+
+
+def test_matte_normals_stay_where_mirrors_alone_must_clear_the_facet():
+    """A normal that leans by 1.2 is seen from the other side at 0.6: N.V < 0, and its mirror would look into the surface."""
+    lean, outgoing = 1.2, np.float32((-np.sin(0.6), 0, np.cos(0.6)))
+    bent = (float(np.sin(lean)), 0.0, float(np.cos(lean)))
+    diffuse, glossy = ("diffuse", [1.0, 1.0, 0.0, bent]), ("glossy", [1.0, 1.0, 0.3, bent])
+    kept = {clearing: tops_of(*diffuse, clearing, outgoing) for clearing in ("ALL", "MIRRORS", "NONE")}
+    assert kept["MIRRORS"] == kept["NONE"] == pytest.approx(lean, abs=1e-3)
+    assert kept["ALL"] < 0.6
+    # What mirrors is turned back until it is brightest just above the facet; as bent it shows nothing.
+    assert tops_of(*glossy, "ALL", outgoing, "GGX") == tops_of(*glossy, "MIRRORS", outgoing, "GGX") > 1.3
+    untouched = program_with(*glossy, "GGX", bump_shadow="NONE", clearing="NONE")
+    incoming = np.float32([(np.sin(angle), 0, np.cos(angle)) for angle in np.linspace(-1.5, 1.5, 31)])
+    assert not closures(untouched, outgoing).evaluate(outgoing, incoming, UP).any()
+
+
 def test_a_bump_does_not_fade_where_the_surface_is_seen_at_grazing():
     """Its steps are as wide as the ray, not as its footprint, which is long there."""
     width, cosine = 0.5, 0.2

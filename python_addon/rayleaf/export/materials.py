@@ -101,7 +101,8 @@ class MaterialLibrary:
     def compile(self, material: Any) -> CompiledMaterial:
         """An evaluated material's program. Raises InputError, RecursionError."""
         subject = Subject("Material", name_of(material))
-        emitter, has_surface = Emitter(self._core, subject.name, versions.bump_shadow(material)), True
+        emitter = Emitter(self._core, subject.name, versions.bump_shadow(material), versions.clearing(material))
+        has_surface = True
         with self._resources.noted() as asked:
             if material.use_nodes and material.node_tree is not None:
                 compiler = self._compiler(emitter, subject)

@@ -16,9 +16,9 @@ Constant = tuple[float, float, float, float]
 class Emitter:
     """A program under construction."""
 
-    def __init__(self, core: ModuleType, name: str, bump_shadow: str = "CUBIC") -> None:
-        """`bump_shadow`: the core's, of closures."""
-        self.program: Any = core.Program(name, bump_shadow)
+    def __init__(self, core: ModuleType, name: str, bump_shadow: str = "CUBIC", clearing: str = "ALL") -> None:
+        """`bump_shadow`, `clearing`: the core's, of closures."""
+        self.program: Any = core.Program(name, bump_shadow, clearing)
         self.rejected: type[Exception] = core.InputError  # what the core raises for operations that it does not know
         self._constants: dict[Constant, Register] = {}
         self._values: dict[Register, Constant] = {}

@@ -1,11 +1,11 @@
 """Nodes that calculate: Math, Vector Math, Map Range, Clamp, Mapping, and the vector nodes."""
 
 from ...names import text_of
-from ...versions import transforms_normals
+from ...versions import strength_scales_slopes, transforms_normals
 from ..mesh_derived import TANGENT_OF
 from .compiler import NodeView, value_node
 from .curves import number_curve, vector_curves
-from .emitter import UNCONNECTED, Register
+from .emitter import UNCONNECTED, Emitter, Register
 
 # Vector Math operations by the inputs they read.
 _UNARY = {"NORMALIZE", "LENGTH", "ABSOLUTE", "FLOOR", "CEIL", "FRACTION", "SINE", "COSINE", "TANGENT", "SIGN", "ROUND"}
@@ -130,12 +130,23 @@ def normal_map(view: NodeView, output: str) -> Register:
         red, green, blue = (emitter.component(color, index) for index in range(3))
         green = green if of_blender and is_downward else emitter.complement(green)
         color = emitter.operation("combine", [red, green, emitter.complement(blue) if of_blender else blue])
-    ints = [-1]
+    ints, strength = [-1], view.input("Strength")
     if space == "TANGENT":
         name = text_of(view.node, "uv_map")
         identifier = view.resources.attribute(name) if name else view.resources.active_uv()
         ints = [identifier, view.resources.attribute(TANGENT_OF + name)]
-    return emitter.operation("normal_map", [view.input("Strength"), color], ints, text=space)
+        if strength_scales_slopes() and emitter.value_of(strength) != (1.0,) * 4:
+            color, strength = _with_slopes_scaled(emitter, color, strength), emitter.scalar(1.0)
+    return emitter.operation("normal_map", [strength, color], ints, text=space)
+
+
+def _with_slopes_scaled(emitter: Emitter, color: Register, strength: Register) -> Register:
+    """The colour of a normal whose X and Y are `strength` times those of `color`. Of a strength below 1, Z nears 1."""
+    share = emitter.saturate(strength)
+    middle = emitter.multiply(emitter.scalar(0.5), emitter.complement(strength))  # where no slope stays
+    scale = emitter.operation("combine", [strength, strength, share])
+    offset = emitter.operation("combine", [middle, middle, emitter.complement(share)])
+    return emitter.operation("vector_math", [color, scale, offset], text="MULTIPLY_ADD")
 
 
 @value_node("ShaderNodeNormal")

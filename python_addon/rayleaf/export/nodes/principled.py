@@ -1,6 +1,6 @@
 """The Principled node: Disney's model up to Blender 3.6, one of layers since 4.0. The node's sockets say which it is."""
 
-from ...versions import bodies_scatter_after_diffuse_bounces, thin_films_are_newer
+from ...versions import bodies_scatter_after_diffuse_bounces, coats_reflect_by_facet, thin_films_are_newer
 from .closures import may_be_other_than, tangent_of, tell_of_facets, thin_film
 from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Emitter, Register
@@ -18,8 +18,8 @@ def principled(view: NodeView, weight: Register) -> None:
     scattered, ints = _subsurface(view, has_layers)
     film, wall = thin_film(view), _thin_wall(view)
     always = bool(scattered) and bodies_scatter_after_diffuse_bounces()
-    if film or always:
-        ints = [*(ints or [0]), int(not thin_films_are_newer()), *([1] if always else [])]
+    if has_layers:
+        ints = [*(ints or [0]), int(not thin_films_are_newer()), int(always), int(coats_reflect_by_facet())]
     if film or wall:
         scattered = scattered or [UNCONNECTED] * _OF_SUBSURFACE
     if wall:
