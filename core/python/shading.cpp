@@ -279,6 +279,7 @@ void bind_program(py::module_& module) {
             py::arg("ints") = std::vector<int32_t>{}, py::arg("floats") = Array<float>(0), py::arg("text") = "",
             "Appends an operation; the register of its result, -1 for closures.")
         .def_property_readonly("name", &Program::name)
+        .def_property("bump_width", &Program::bump_width, &Program::set_bump_width)
         .def_property_readonly("emits", &Program::emits)
         .def_property_readonly("may_be_transparent", &Program::may_be_transparent)
         .def_property_readonly("is_constant", &Program::is_constant)

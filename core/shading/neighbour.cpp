@@ -61,9 +61,10 @@ Vec2f uv_step(const SurfacePoint& point, const Vec3f& dp) {
     return least_squares(point.dp_du, point.dp_dv, dp);
 }
 
-Neighbours::Neighbours(const ShadingInputs& inputs, NeighbourAttributes attributes) : inputs_{inputs, inputs} {
+Neighbours::Neighbours(const ShadingInputs& inputs, NeighbourAttributes attributes, float width)
+    : inputs_{inputs, inputs} {
     const RayDifferential& d = inputs.differential;
-    const Vec3f dp[2] = {d.dp_dx, d.dp_dy}, dd[2] = {d.dd_dx, d.dd_dy};
+    const Vec3f dp[2] = {d.dp_dx * width, d.dp_dy * width}, dd[2] = {d.dd_dx * width, d.dd_dy * width};
     for (int i = 0; i < 2; ++i) inputs_[i].outgoing = normalized_or(inputs.outgoing - dd[i], inputs.outgoing);
     if (inputs.point == nullptr) return;
     const SurfacePoint& here = *inputs.point;

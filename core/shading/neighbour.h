@@ -12,10 +12,11 @@ enum class NeighbourAttributes : uint8_t {
     Exact
 };
 
-/// The inputs one step to the right and one step up. Holds what they point to, so it can neither be copied nor moved.
+/// The inputs one step to the right and one step up, `width` pixels away. Holds what they point to, so it can neither
+/// be copied nor moved.
 class Neighbours {
   public:
-    Neighbours(const ShadingInputs& inputs, NeighbourAttributes attributes);
+    Neighbours(const ShadingInputs& inputs, NeighbourAttributes attributes, float width = 1.0f);
     Neighbours(const Neighbours&) = delete;
     Neighbours& operator=(const Neighbours&) = delete;
 

@@ -7,6 +7,7 @@
 #include "shading/variants.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace rayleaf {
@@ -324,9 +325,15 @@ void Program::differentiate(Register target) {
     }
 }
 
+void Program::set_bump_width(float width) {
+    if (!(width > 0.0f) || !std::isfinite(width)) reject("bump_width", std::to_string(width), "a positive number");
+    bump_width_ = width;
+}
+
 void Program::add_to(ContentHasher& hasher) const {
     hasher.add(static_cast<int>(bump_shadow_));
     hasher.add(static_cast<int>(clearing_));
+    hasher.add(bump_width_);
     for (const Instruction& instruction : instructions_) {
         hasher.add(static_cast<int>(instruction.operation));
         hasher.add(int{instruction.variant});

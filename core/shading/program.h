@@ -46,6 +46,10 @@ class Program {
                        const std::string& text = {});
 
     const std::string& name() const { return name_; }
+    /// How far from the hit bumps compare heights, in pixels: less shows finer ones than these, and more noise.
+    /// Positive.
+    float bump_width() const { return bump_width_; }
+    void set_bump_width(float width);
     /// All that its results depend on beside the inputs; textures by their numbers.
     void add_to(ContentHasher& hasher) const;
 
@@ -126,6 +130,8 @@ class Program {
     std::span<const int32_t> ints_of(const Instruction& instruction) const;
     std::span<const float> floats_of(const Instruction& instruction) const;
     bool flag_of(const Instruction& instruction) const;  ///< its first integer
+    /// How far neighbours are from the hit, in pixels.
+    float step_width() const { return bends_ ? bump_width_ : 1.0f; }
     Vec4f arithmetic(const Instruction& instruction, const Operands& operands) const;
     Vec4f input_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const;
     RegisterBank bank(float* numbers, size_t points) const;
@@ -154,6 +160,7 @@ class Program {
     std::string name_;
     BumpShadow bump_shadow_;
     Clearing clearing_;
+    float bump_width_ = 1.0f;
     std::vector<Instruction> instructions_;
     std::vector<Register> operands_;
     std::vector<int32_t> ints_;

@@ -200,12 +200,13 @@ void Program::look_up(const Instruction& instruction, std::span<const RegisterBa
     const auto at = [&](size_t place, uint32_t i) { return operands_of(instruction, places[place], i).vector(0); };
     // The neighbours of a lookup that another lookup depends on share its footprint.
     const size_t lookups = instruction.differentiated ? places.size() : 1;
+    const float width = step_width();
     for (uint32_t i = 0; i < inputs.size(); ++i) {
         const Vec3f here = at(0, i);
         CoordinateFootprint coordinate{here, Vec3f(0.0f), Vec3f(0.0f)};
         if (has_footprint(*inputs[i])) {
-            coordinate.dx = at(1, i) - here;
-            coordinate.dy = at(2, i) - here;
+            coordinate.dx = (at(1, i) - here) / width;
+            coordinate.dy = (at(2, i) - here) / width;
         }
         for (size_t place = 0; place < lookups; ++place) {
             coordinate.value = at(place, i);
@@ -240,10 +241,10 @@ class Program::RoundFootprints {
 /// The hits' neighbours, made for the points there are.
 class Program::Beside {
   public:
-    Beside(Inputs inputs, NeighbourAttributes attributes) : count_(inputs.size()) {
+    Beside(Inputs inputs, NeighbourAttributes attributes, float width) : count_(inputs.size()) {
         static_assert(std::is_trivially_destructible_v<Neighbours>);
         for (size_t i = 0; i < count_; ++i) {
-            const auto* neighbours = new (room_ + i * sizeof(Neighbours)) Neighbours(*inputs[i], attributes);
+            const auto* neighbours = new (room_ + i * sizeof(Neighbours)) Neighbours(*inputs[i], attributes, width);
             right_[i] = &neighbours->right();
             above_[i] = &neighbours->above();
         }
@@ -263,8 +264,10 @@ void Program::bend(const Instruction& instruction, std::span<const RegisterBank>
         const auto height = [&](size_t place) {
             return operands_of(instruction, places[std::min(place, places.size() - 1)], point).scalar(0);
         };
+        const float here = height(0);
+        const auto at_a_pixel = [&](size_t place) { return here + (height(place) - here) / bump_width_; };
         const Vec4f normal = bump_value(operands_of(instruction, places[0], point), flag_of(instruction),
-                                        {height(0), height(1), height(2)}, *inputs[point], clearing_);
+                                        {here, at_a_pixel(1), at_a_pixel(2)}, *inputs[point], clearing_);
         for (size_t place = 0; place < (instruction.differentiated ? places.size() : 1); ++place)
             places[place].set(instruction.result, point, normal);
     }
@@ -283,7 +286,7 @@ void Program::run_textured(Inputs inputs, std::span<const RegisterBank> places, 
     const NeighbourAttributes attributes = differentiates_attributes_  ? NeighbourAttributes::Exact
                                            : differentiates_generated_ ? NeighbourAttributes::ExactIfDeformed
                                                                        : NeighbourAttributes::None;
-    const Beside beside(places.size() > 1 ? inputs : Inputs(), attributes);
+    const Beside beside(places.size() > 1 ? inputs : Inputs(), attributes, step_width());
     const std::array<Inputs, kPlaces> inputs_of = {inputs, beside.right(), beside.above()};
     for (const Instruction& instruction : instructions_) {
         if (instruction.result < 0) {

@@ -42,7 +42,7 @@ NODES = {
 
 
 def all_cases():
-    """By name: the node, its inputs, the normal ("bumped": of a Bump node), whether bumps are corrected."""
+    """By name: the node, its inputs, the normal (a number or "bumped": of a Bump node), whether bumps are corrected."""
     trial, tree, _ = scenes.material("trial")
     found = {}
     for name, (node, inputs) in NODES.items():
@@ -50,13 +50,38 @@ def all_cases():
             found |= {f"{name}, {kind}": (node, inputs, normal, True) for kind, normal in NORMALS.items()}
     for name in ("Diffuse", "Glossy", "plastic"):
         found[f"{name}, bumped"] = (*NODES[name], "bumped", True)
+        # Ridges that are 1.4 pixels apart: what they look like depends on how far heights are compared.
+        has_width = "Filter Width" in tree.nodes.new("ShaderNodeBump").inputs  # 4.5
+        for width in (0.1, 0.6, 1.0) if has_width else (1.0,):
+            found[f"{name}, ridged {width}"] = (*NODES[name], width, True)
         if hasattr(trial.cycles, "use_bump_map_correction"):  # 4.1
             found[f"{name}, as bent"] = (*NODES[name], NORMALS["away"], False)
     return found
 
 
+def ridged(tree, width):
+    """The normal of a Bump node over ridges that are 1.4 pixels apart."""
+    bump, place, parts = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Bump", "NewGeometry", "SeparateXYZ"))
+    scaled, sine = tree.nodes.new("ShaderNodeMath"), tree.nodes.new("ShaderNodeMath")
+    scaled.operation, sine.operation = "MULTIPLY", "SINE"
+    scaled.inputs[1].default_value = 2 * math.pi * PIXELS / 1.4
+    if "Filter Width" in bump.inputs:
+        bump.inputs["Filter Width"].default_value = width
+    bump.inputs["Distance"].default_value = 0.02
+    for source, target in (
+        (place.outputs["Position"], parts.inputs[0]),
+        (parts.outputs["X"], scaled.inputs[0]),
+        (scaled.outputs[0], sine.inputs[0]),
+        (sine.outputs[0], bump.inputs["Height"]),
+    ):
+        tree.links.new(source, target)
+    return bump.outputs[0]
+
+
 def bent(tree, normal):
-    """A normal: a constant, or that of a Bump node whose heights rise along the square."""
+    """A normal: a constant, or that of a Bump node whose heights rise along the square, or are ridges across it."""
+    if isinstance(normal, float):
+        return ridged(tree, normal)
     combined = tree.nodes.new("ShaderNodeCombineXYZ")
     if normal != "bumped":
         for socket, value in zip(combined.inputs, normal):

@@ -26,6 +26,7 @@ class Program:
 
     def __init__(self, name, bump_shadow="CUBIC", clearing="ALL"):
         self.name, self.bump_shadow, self.clearing, self.registers, self.lines = name, bump_shadow, clearing, [], []
+        self.bump_width = 1.0
 
     def constant(self, x, y, z, w):
         self.registers.append((x, y, z, w))

@@ -13,8 +13,8 @@ NOT_COMPARED = {
     "ShaderNodeAttribute": dict.fromkeys(
         ("attribute_type=INSTANCER", "attribute_type=VIEW_LAYER"), "compared by test_instancer_attributes_oracle.py"
     ),
+    "ShaderNodeBump": {"input Filter Width": "compared by test_bent_normals_oracle.py"},
     "ShaderNodeMixRGB": {"use_alpha=True": "of the compositor's node, which shares the definition"},
-    "ShaderNodeBump": {"input Filter Width": "named by a message where it is another than at first"},
     "ShaderNodeBsdfPrincipled": {
         "subsurface_method=BURLEY": "named by a message where there is subsurface scattering",
         "input Transmission Dispersion Scale": "named by a message where it is not 0",

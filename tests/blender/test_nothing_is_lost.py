@@ -22,10 +22,7 @@ other_text = bpy.data.texts.new("D")
 
 def look(node):
     "What each output of the node sends, and what is said of it."
-    return [
-        ((each.emitter.program.lines, each.emitter.program.registers), each.registers, each.names, each.wanted, each.texts)
-        for each in compiled(core, node)
-    ]
+    return [(vars(each.emitter.program), each.registers, each.names, each.wanted, each.texts) for each in compiled(core, node)]
 
 def ramp(node):
     node.color_ramp.elements[0].color = (1, 0.5, 0.25, 0.5)

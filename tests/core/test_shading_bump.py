@@ -51,6 +51,47 @@ def test_a_slope_bends_the_normal_by_its_gradient(arguments, expected):
     np.testing.assert_allclose(bumped(slope, **arguments), np.tile(expected, (2, 1)), atol=2e-4)
 
 
+@pytest.mark.parametrize("width", [1.0, 0.3, 0.1])
+def test_heights_are_compared_over_the_width_that_is_set(width):
+    """Ridges of a radian a pixel: the difference of heights over a step, not their derivative."""
+    program = _core.Program("Ridges")
+    program.bump_width = width
+    along = program.operation("component", [program.operation("position")], [0])
+    phase = program.operation("math", [along, scalar(program, 1.0 / STEP)], [0], text="MULTIPLY")
+    height = program.operation("math", [phase], [0], text="SINE")
+    numbers = [scalar(program, 1.0), scalar(program, 0.5 * STEP)]
+    normals = floor([(0, 0, 0)]).values(program, program.operation("bump", [height, *numbers], [0]))[0, :3]
+    # Steps lie at right angles to the diagonal of the axes: (-1, 1, 0) and (-1, -1, 0) here, over the root of 2.
+    difference = 0.5 * np.sin(-np.sqrt(0.5) * width) / width
+    gradient = -np.sqrt(0.5) * difference * np.array([1, -1, 0]) - np.sqrt(0.5) * difference * np.array([1, 1, 0])
+    np.testing.assert_allclose(normals, unit(*(UP - gradient)), atol=2e-4)
+
+
+@pytest.mark.parametrize("width", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_width_that_compares_nothing_is_named(width):
+    with pytest.raises(_core.InputError, match="'Ridges': bump_width is .*, expected a positive number"):
+        _core.Program("Ridges").bump_width = width
+
+
+@pytest.mark.parametrize("width", [1.0, 0.1])
+def test_images_keep_their_footprints_whatever_the_width_of_bumps(width):
+    """Stripes of a texel: a step of eight shows their mean, though heights are compared over less."""
+    store = _core.shading.TextureStore(1 << 27)
+    stripes = np.zeros((128, 128, 1), np.float32)
+    stripes[:, ::2] = 1
+    texture = store.add_pixels("Stripes", stripes, _core.shading.ColorSpace.NON_COLOR)
+    program = _core.Program("Both")
+    program.bump_width = width
+    place = program.operation("position")
+    texel = program.operation("image", [place], [texture, 0, 0])
+    program.operation("bump", [slope(program, place), scalar(program, 1.0), scalar(program, 1.0)], [0])
+    sharp, wide = (
+        floor([(64.5 / 128, 0.5, 0)], step / 128, textures=store).values(program, texel)[0, 0] for step in (0.5, 8)
+    )
+    assert abs(sharp - 0.5) > 0.4
+    assert abs(wide - 0.5) < 0.05
+
+
 @pytest.mark.parametrize("step", [0.0, 1e-30, 1e30, float("inf"), float("nan")])
 @pytest.mark.parametrize("distance", [0.0, 1e30, -3e38])
 def test_absurd_footprints_and_distances_give_unit_normals(step, distance):

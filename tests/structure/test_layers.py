@@ -55,6 +55,7 @@ MEET_BLENDER = {
         "ui_motion.py",
         "ui_passes.py",
         "ui_view_layer.py",
+        "cycles_versions.py",
         "versions.py",
     ),
     *(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import versions
+from .. import cycles_versions, versions
 from ..messages import Messages, Subject
 from ..names import name_of
 from ..passes import Slots
@@ -83,7 +83,7 @@ def describe(
     """The arguments of the core's `add_lamp`."""
     lamp, subject = lamp_object.data, Subject("Light", name_of(lamp_object))
     _name_ignored(lamp, subject, messages)
-    factor = np.full(3, versions.lamp_factor(lamp))
+    factor = np.full(3, cycles_versions.lamp_factor(lamp))
     if not getattr(lamp, "normalize", True):  # 4.5
         factor *= _area(lamp, matrix)
     emission = _emission(core, lamp, subject, resources, messages)
@@ -100,9 +100,11 @@ def describe(
         emission=program,
     )
     if lamp.type in ("POINT", "SPOT"):
-        arguments.update(radius=lamp.shadow_soft_size, soft_falloff=versions.has_soft_falloff(lamp))
+        arguments.update(radius=lamp.shadow_soft_size, soft_falloff=cycles_versions.has_soft_falloff(lamp))
     if lamp.type == "SPOT":
-        arguments.update(spot_size=lamp.spot_size, spot_blend=lamp.spot_blend, spot_profile=versions.spot_profile())
+        arguments.update(
+            spot_size=lamp.spot_size, spot_blend=lamp.spot_blend, spot_profile=cycles_versions.spot_profile()
+        )
     if lamp.type == "SUN":
         arguments["angle"] = lamp.angle
     if lamp.type == "AREA":

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
-from .. import versions
+from .. import cycles_versions, versions
 from ..messages import Messages, Subject
 from ..names import name_of
 from . import unsupported
@@ -70,7 +70,7 @@ class MaterialLibrary:
         return self._materials[key]
 
     def _default_material(self) -> int:
-        if self._default == _NEUTRAL and versions.default_surface_is_principled():
+        if self._default == _NEUTRAL and cycles_versions.default_surface_is_principled():
             emitter = Emitter(self._core, "default")
             write_default_surface(emitter)
             self._default = int(self._scene.add_material("default", emitter.program))
@@ -101,12 +101,15 @@ class MaterialLibrary:
     def compile(self, material: Any) -> CompiledMaterial:
         """An evaluated material's program. Raises InputError, RecursionError."""
         subject = Subject("Material", name_of(material))
-        emitter = Emitter(self._core, subject.name, versions.bump_shadow(material), versions.clearing(material))
+        emitter = Emitter(
+            self._core, subject.name, cycles_versions.bump_shadow(material), cycles_versions.clearing(material)
+        )
         has_surface = True
         with self._resources.noted() as asked:
             if material.use_nodes and material.node_tree is not None:
                 compiler = self._compiler(emitter, subject)
                 if versions.displacement_method(material) == "BUMP":
+                    emitter.program.bump_width = cycles_versions.bump_width_of_displacement()
                     bend_normal(compiler, material.node_tree)
                 has_surface = compiler.compile_tree(material.node_tree)
             else:

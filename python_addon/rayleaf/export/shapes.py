@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import versions
+from .. import cycles_versions
 from ..messages import Messages, Subject
 from ..names import name_of
 from . import CancelCheck, curves, meshes, points, strand_arrays, strands, subdivision, surfaces, volumes
@@ -96,7 +96,7 @@ class ShapeExporter:
                 return None
             volumes.check_grids(grids, reads, lambda text: self._messages.warn(f"{subject}: {text}", subject))
             held = {self.scene.attribute(each): grid for each, grid in grids.items()}
-            body = versions.volume_body(self._blender_scene)
+            body = cycles_versions.volume_body(self._blender_scene)
             return int(self.scene.add_shape(self._core.volume(name, held, volumes.density_unit(group.data), body)))
         except self._core.InputError as error:
             self._leave_out(name, str(error))

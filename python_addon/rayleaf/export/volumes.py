@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import versions
+from .. import cycles_versions, versions
 from ..names import name_of, text_of
 
 # Grids of a simulation: the property, channels, and whether noise makes it finer.
@@ -50,7 +50,9 @@ def _volume_grids(core: ModuleType, owner: Any, data: Any, reads: list[str]) -> 
     name = name_of(owner)
     loaded = data.grids.load()
     path = text_of(data.grids, "frame_filepath")
-    rule: dict[str, Any] = dict(value_place=versions.place_of_grid_values(), mixing=versions.mixing_of_grid_values())
+    rule: dict[str, Any] = dict(
+        value_place=cycles_versions.place_of_grid_values(), mixing=cycles_versions.mixing_of_grid_values()
+    )
     rule["least"] = float(data.render.clipping)
     # What modifiers make is in no file but the one that Blender writes of it.
     if text_of(data, "filepath") and not len(owner.modifiers):
@@ -85,7 +87,7 @@ def _simulated_grids(core: ModuleType, owner: Any, frame: int, reads: list[str])
             shape = (*(int(length) for length in size[::-1]), channels)
             to_object = _in_texture_space(owner.data, size)
             described = (name_of(owner), name, values.reshape(shape), to_object, domain.clipping)
-            grids[name] = core.VoxelGrid(*described, mixing=versions.mixing_of_grid_values())
+            grids[name] = core.VoxelGrid(*described, mixing=cycles_versions.mixing_of_grid_values())
     return grids
 
 

@@ -1,6 +1,6 @@
 """Shader nodes: what they add to a point's closures, with a weight."""
 
-from ...versions import (
+from ...cycles_versions import (
     facets_hide_jointly,
     follows_light_between_facets,
     glass_reflects_by_facet,

@@ -20,9 +20,16 @@ class Emitter:
         """`bump_shadow`, `clearing`: the core's, of closures."""
         self.program: Any = core.Program(name, bump_shadow, clearing)
         self.rejected: type[Exception] = core.InputError  # what the core raises for operations that it does not know
+        self._has_bump_width = False
         self._constants: dict[Constant, Register] = {}
         self._values: dict[Register, Constant] = {}
         self._operations: dict[Any, Register] = {}
+
+    def take_bump_width(self, width: float) -> float:
+        """Sets how far bumps compare heights, in pixels, unless that is set; what it is now."""
+        if not self._has_bump_width:
+            self._has_bump_width, self.program.bump_width = True, width
+        return float(self.program.bump_width)
 
     def constant(self, x: float, y: float, z: float, w: float = 1.0) -> Register:
         """A register holding a colour or vector."""

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from ... import versions
+from ... import cycles_versions
 from ...names import text_of
 
 # The way into nested groups: the group nodes entered, outermost first.
@@ -118,6 +118,6 @@ def _passes_on(node: Any, unlinked: Any, asked: Any) -> bool:
     """Whether an input receives what a node passes on: what nothing is linked to, or (None) nothing."""
     if unlinked is None:
         return not node.mute
-    if versions.passes_unlinked_on():
+    if cycles_versions.passes_unlinked_on():
         return not (asked.hide_value and asked.type == "VECTOR")  # a normal or a coordinate
     return not (node.mute or node.bl_idname == "NodeReroute")

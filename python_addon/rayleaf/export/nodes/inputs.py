@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import versions
+from ... import cycles_versions
 from ...names import text_of
 from ..attributes import STRAND_INFO, STRAND_RANDOM
 from ..instance_values import (
@@ -40,7 +40,7 @@ def texture_coordinate(view: NodeView, output: str) -> Register:
     emitter = view.emitter
     if view.node.from_instancer and output in ("Generated", "UV"):
         return _of_instancer(view, INSTANCER_UV if output == "UV" else INSTANCER_GENERATED)
-    if view.compiler.is_lamp and output == "UV" and versions.lamps_have_uv():
+    if view.compiler.is_lamp and output == "UV" and cycles_versions.lamps_have_uv():
         view.warn("UV coordinates of lamps are not supported; they are 0")
     if output == "UV":
         return emitter.operation("uv", ints=[view.resources.active_uv()])
@@ -50,7 +50,9 @@ def texture_coordinate(view: NodeView, output: str) -> Register:
         return _in_space_of(view, np.array(view.node.object.matrix_world.inverted_safe(), np.float64))
     if output == "Normal" and view.compiler.bent_normal != UNCONNECTED:
         return emitter.operation("transform", [view.compiler.bent_normal], [_WORLD, _OBJECT], text="NORMAL")
-    if view.compiler.is_lamp and (output == "Generated" or output == "Object" and not versions.lamps_have_a_space()):
+    if view.compiler.is_lamp and (
+        output == "Generated" or output == "Object" and not cycles_versions.lamps_have_a_space()
+    ):
         return emitter.operation("position")  # in Cycles a lamp is no object
     operations = {
         "Normal": "object_normal",

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import versions
+from ... import cycles_versions, versions
 from ...names import name_of, text_of
 from .. import ies
 from .compiler import Compiler, NodeView, value_node
@@ -30,7 +30,7 @@ def _text_of(node: Any) -> str:
 
 def _shining(emitter: Emitter) -> Register:
     """The direction of the light, in the lamp's space."""
-    if versions.area_lamps_shine_by_direction():
+    if cycles_versions.area_lamps_shine_by_direction():
         return emitter.operation("transform", [emitter.operation("incoming")], [_WORLD, _OBJECT], text="VECTOR")
     return emitter.operation("object_normal")
 

@@ -1,7 +1,7 @@
 """Nodes that calculate: Math, Vector Math, Map Range, Clamp, Mapping, and the vector nodes."""
 
 from ...names import text_of
-from ...versions import strength_scales_slopes, transforms_normals
+from ...cycles_versions import strength_scales_slopes, transforms_normals
 from ..mesh_derived import TANGENT_OF
 from .compiler import NodeView, value_node
 from .curves import number_curve, vector_curves
@@ -11,8 +11,7 @@ from .emitter import UNCONNECTED, Emitter, Register
 _UNARY = {"NORMALIZE", "LENGTH", "ABSOLUTE", "FLOOR", "CEIL", "FRACTION", "SINE", "COSINE", "TANGENT", "SIGN", "ROUND"}
 _TERNARY = {"MULTIPLY_ADD", "FACEFORWARD", "WRAP"}
 _SCALED = {"SCALE", "REFRACT"}
-_FILTER_WIDTH = 0.1  # of Bump, as Blender makes it
-_NEAR = 1e-6  # single precision's share in it
+_LEAST_FILTER_WIDTH = 1e-3  # of Bump, pixels: below, single precision sees no difference of heights
 
 
 @value_node("ShaderNodeMath")
@@ -97,16 +96,24 @@ def vector_transform(view: NodeView, output: str) -> Register:
 
 @value_node("ShaderNodeBump")
 def bump(view: NodeView, output: str) -> Register:
-    """Bump. Heights are compared over the ray's width, where later Blenders take a share of it."""
-    share = view.emitter.value_of(view.input("Filter Width", default=_FILTER_WIDTH))
-    if share is None or abs(share[0] - _FILTER_WIDTH) > _NEAR:
-        view.warn("Filter Width is not supported; heights are compared over the ray's width")
+    """Bump."""
+    _set_filter_width(view)
     height = view.linked("Height")
     if height == UNCONNECTED:  # as high everywhere
         normal = view.normal("Normal")
         return view.emitter.operation("normal") if normal == UNCONNECTED else normal
     operands = [height, view.input("Strength"), view.input("Distance"), view.normal("Normal")]
     return view.emitter.operation("bump", operands, [int(view.node.invert)])
+
+
+def _set_filter_width(view: NodeView) -> None:
+    """Cycles reads the socket's own value (4.5), whatever is linked to it."""
+    socket = view.socket("Filter Width")
+    if socket is None:
+        return
+    taken = view.emitter.take_bump_width(max(float(socket.default_value), _LEAST_FILTER_WIDTH))
+    if abs(taken - socket.default_value) > _LEAST_FILTER_WIDTH:
+        view.warn(f"the bumps of a material have one Filter Width; it is {taken:.3g}")
 
 
 @value_node("ShaderNodeBevel")

@@ -1,6 +1,6 @@
 """Textures that are computed from their coordinate: noises, cells, and regular patterns."""
 
-from ...versions import voronoi_hash
+from ...cycles_versions import voronoi_hash
 from .compiler import NodeView, value_node
 from .emitter import Register
 from .textures import name_hidden_mapping

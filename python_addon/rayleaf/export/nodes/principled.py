@@ -1,6 +1,6 @@
 """The Principled node: Disney's model up to Blender 3.6, one of layers since 4.0. The node's sockets say which it is."""
 
-from ...versions import bodies_scatter_after_diffuse_bounces, coats_reflect_by_facet, thin_films_are_newer
+from ...cycles_versions import bodies_scatter_after_diffuse_bounces, coats_reflect_by_facet, thin_films_are_newer
 from .closures import may_be_other_than, tangent_of, tell_of_facets, thin_film
 from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Emitter, Register

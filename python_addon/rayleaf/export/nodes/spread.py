@@ -1,6 +1,6 @@
 """Shader nodes of light that goes through what it meets: hair, and bodies below their surface."""
 
-from ... import versions
+from ... import cycles_versions
 from ..attributes import STRAND_INFO, STRAND_RANDOM
 from .closures import may_be_other_than
 from .compiler import NodeView, closure_node
@@ -19,7 +19,7 @@ _METHODS = {
 
 def method_of(view: NodeView, identifier: str) -> int:
     """The core's method; Christensen and Burley's profiles become a walk of that radius."""
-    if identifier == "RANDOM_WALK" and versions.random_walk_has_mean_free_path():
+    if identifier == "RANDOM_WALK" and cycles_versions.random_walk_has_mean_free_path():
         return _MEAN_FREE_PATH
     if identifier == "BURLEY":
         view.warn("the method Christensen-Burley is rendered as a random walk with fixed radius")
@@ -46,7 +46,7 @@ def subsurface(view: NodeView, weight: Register) -> None:
         ints, more = [method_of(view, view.node.falloff), 1], [view.input("Roughness")]
     else:
         ints, more = [method_of(view, view.node.falloff), 0], []
-    ints.append(int(versions.bodies_scatter_after_diffuse_bounces()))
+    ints.append(int(cycles_versions.bodies_scatter_after_diffuse_bounces()))
     view.emitter.operation("subsurface", [*operands, *more], ints)
 
 

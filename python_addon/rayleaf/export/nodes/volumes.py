@@ -1,6 +1,6 @@
 """Shader nodes of volumes: what they do to light inside an object or the world, with a weight."""
 
-from ... import versions
+from ... import cycles_versions
 from ...names import text_of
 from .compiler import NodeView, value_node, volume_node
 from .emitter import Emitter, Register
@@ -82,7 +82,7 @@ def principled(view: NodeView, weight: Register) -> None:
     kelvins = view.input("Temperature")
     if view.emitter.value_of(heat) != (0.0, 0.0, 0.0, 0.0):
         kelvins = _times_grid(view, kelvins, "Temperature Attribute")
-    if versions.glow_counts_its_weight_twice():
+    if cycles_versions.glow_counts_its_weight_twice():
         strength, heat = (view.emitter.math("MULTIPLY", each, weight) for each in (strength, heat))
     operands = [
         *(weight, color, density, view.input("Anisotropy")),
