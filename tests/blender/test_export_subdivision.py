@@ -276,13 +276,23 @@ bpy.ops.mesh.primitive_cylinder_add(vertices=7)
 saved(fine(bpy.context.object), "cylinder")
 bpy.ops.mesh.primitive_grid_add(x_subdivisions=3, y_subdivisions=3)
 saved(fine(bpy.context.object), "grid")
+bent = [(0, 0, 0), (1, 0, 0.5), (1, 1, 0), (0, 1, 0.6)]
+for name, values in {"sharp sheet": (1, 1, 1, 1), "uneven sheet": (1, 0.5, 0.8, 0.3), "open sheet": (1, 1, 0, 0.9)}.items():
+    sheet = fine(scenes.mesh(bent, [(0, 1, 2, 3)], name))
+    crease_edges(sheet.data, values)
+    saved(sheet, name)
+flag = bpy.data.meshes.new("flag sheet")
+flag.from_pydata([*bent, (1, 1, -3)], [(2, 4)], [(0, 1, 2, 3)])
+flag = fine(scenes.add(flag, "flag sheet"))
+flag.modifiers[-1].use_creases = False
+saved(flag, "flag sheet")
 """
     ).report
     # Blender evaluates the limit in single precision, and beside irregular vertices by patches of its own.
     for name, found in run.items():
         assert found["worst"] < 1e-4, (name, found)
-        # Of the 25 x 25 vertices of the grid 96 lie on its border, which rays along it pass.
-        assert found["met"] > 0.8, (name, found)
+        # Of the 25 x 25 vertices of the grid 96 lie on its border, which rays along it pass; of the 9 x 9 of a sheet, 32.
+        assert found["met"] > (0.55 if name.endswith("sheet") else 0.8), (name, found)
 
 
 def test_a_render_shows_the_limit_and_leaves_the_file_as_it_was(run_blender):

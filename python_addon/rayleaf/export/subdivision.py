@@ -145,7 +145,7 @@ def _options_of(mesh: Any, modifier: Any) -> dict[str, Any]:
         "border_corners": "SHARP" if modifier.boundary_smooth == "PRESERVE_CORNERS" else "SMOOTH",
         "uv_smoothing": modifier.uv_smooth,
     }
-    return options | _creases(mesh) if modifier.use_creases else options
+    return options | _creases(mesh, modifier.use_creases)
 
 
 def _arrays_of(mesh: Any, wanted: frozenset[str], options: dict[str, Any]) -> CageArrays | None:
@@ -174,18 +174,37 @@ def _to_be_added(moves: Floats) -> Floats:
     return np.concatenate([moves, np.zeros((len(moves), 1), np.float32)], axis=1)
 
 
-def _creases(mesh: Any) -> dict[str, Any]:
-    edges, vertices = versions.creases(mesh)
+def _creases(mesh: Any, are_asked_for: bool) -> dict[str, Any]:
+    """Creases of edges and of vertices. As in Blender a vertex of two edges is as sharp as the less sharp of them, beside its own
+    crease, and one that an edge without faces ends at is as sharp as can be, even where no creases are asked for."""
+    edges, vertices = versions.creases(mesh) if are_asked_for else (None, None)
+    ends = _get(mesh.edges, "vertices", np.int32, 2).reshape(-1, 2)
+    has_face = np.zeros(len(ends), bool)
+    has_face[_get(mesh.loops, "edge_index", np.int32)] = True
+    sharp = (
+        np.zeros(len(mesh.vertices), np.float32) if vertices is None else vertices ** 2 * np.float32(_FULL_SHARPNESS)
+    )
     result = {}
     if edges is not None and edges.any():
         chosen = np.flatnonzero(edges)
-        result["crease_edges"] = _get(mesh.edges, "vertices", np.int32, 2).reshape(-1, 2)[chosen]
-        result["crease_sharpness"] = edges[chosen] ** 2 * np.float32(_FULL_SHARPNESS)
-    if vertices is not None and vertices.any():
-        chosen = np.flatnonzero(vertices)
+        sharpness = edges[chosen] ** 2 * np.float32(_FULL_SHARPNESS)
+        result["crease_edges"], result["crease_sharpness"] = ends[chosen], sharpness
+        sharp += _of_corners(len(sharp), ends[has_face], ends[chosen], sharpness)
+    sharp[ends[~has_face]] = _FULL_SHARPNESS
+    chosen = np.intersect1d(np.flatnonzero(sharp), ends[has_face])  # of vertices with faces
+    if len(chosen) > 0:
         result["crease_vertices"] = chosen.astype(np.int32)
-        result["vertex_sharpness"] = vertices[chosen] ** 2 * np.float32(_FULL_SHARPNESS)
+        result["vertex_sharpness"] = np.minimum(sharp[chosen], np.float32(_FULL_SHARPNESS))
     return result
+
+
+def _of_corners(vertices: int, ends: Ints, creased: Ints, sharpness: Floats) -> Floats:
+    """What the creases of edges make of vertices that two edges of faces end at: the lesser sharpness of the two."""
+    count = np.bincount(ends.ravel(), minlength=vertices)
+    of_creases = np.bincount(creased.ravel(), minlength=vertices)
+    least = np.full(vertices, np.inf, np.float32)
+    np.minimum.at(least, creased, sharpness[:, None])
+    return np.where((count == 2) & (of_creases == 2), least, np.float32(0.0))
 
 
 class Cages:
