@@ -1,6 +1,7 @@
 #include "integrators/subsurface_walk.h"
 
 #include "integrators/medium_weights.h"
+#include "integrators/subsurface_probe.h"
 
 namespace rayleaf {
 namespace {
@@ -76,7 +77,8 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const SubsurfaceEnt
         }
         const Maybe<Hit> hit = scene.tracer().closest_on(entry.instance, ray);
         if (hit && hit->t <= static_cast<double>(length))
-            return SubsurfaceExit{ray, *hit, throughput * guide.at_surface(static_cast<float>(hit->t))};
+            return SubsurfaceExit{ray, *hit, throughput * guide.at_surface(static_cast<float>(hit->t)),
+                                  Vec3f(ray.direction)};
         if (hit) guide.set_thickness(depth_of(ray.at(hit->t)));
         throughput *= guide.scattered();
         if (!survives(throughput, own.get1(first + kRoulette))) return std::nullopt;
@@ -100,15 +102,17 @@ std::optional<SubsurfaceVertex> leave_below(const Scene& scene, const Subsurface
     entry.normal = facet.dot(start.entry.direction) > 0.0f ? -facet : facet;
     from.point.release(entry.ray, normalized_or(Vec3d(start.entry.direction), Vec3d(0, 0, 1)));
     if (scene.needs_widths()) set_width(entry.ray, from.differential);
-    const std::optional<SubsurfaceExit> exit = walk_below(scene, entry, start.sampler, start.dimension);
+    const bool by_profile = start.entry.subsurface->by_profile;
+    const std::optional<SubsurfaceExit> exit =
+        by_profile ? probe_beside(scene, start, entry.ray) : walk_below(scene, entry, start.sampler, start.dimension);
     if (!exit) return std::nullopt;
     SubsurfaceVertex found;
-    found.throughput = entry.carried * exit->throughput;
+    found.throughput = (by_profile ? start.entry.weight : entry.carried) * exit->throughput;
     Vertex& vertex = found.vertex;
     vertex.point = scene.tracer().surface_point(exit->ray, exit->hit);
     vertex.differential = from.differential;
     // Evaluated as seen from outside: the material may bend the normal by which light leaves.
-    vertex.outgoing = Vec3f(exit->ray.direction);
+    vertex.outgoing = exit->outwards;
     scene.shade(vertex.point, vertex.outgoing, vertex.differential, start.state, vertex.closures);
     const Lobe lobe = exit_lobe(vertex, *start.entry.subsurface);
     vertex.closures.clear();

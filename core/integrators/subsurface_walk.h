@@ -14,6 +14,7 @@ struct SubsurfaceExit {
     Ray ray;                    ///< the last one, inside the body
     Hit hit;                    ///< where it meets the surface
     Color throughput{1, 1, 1};  ///< what is left of light on the way
+    Vec3f outwards{0, 0, 1};    ///< how light leaves, as the material is asked there
 };
 
 /// Where a ray may begin that enters a body: direction and start inside, with the width of what it does there.

@@ -1,5 +1,7 @@
 #include "rays/ray_differential.h"
 
+#include "base/diagonal_basis.h"
+
 namespace rayleaf {
 namespace {
 
@@ -52,11 +54,10 @@ float share_width(float density, int rays) {
 RayDifferential RayDifferential::round_footprint(const Vec3f& direction, const Vec3f& normal) const {
     const auto across = [&](const Vec3f& dp) { return (dp - direction * dp.dot(direction)).length(); };
     const float width = 0.5f * (across(dp_dx) + across(dp_dy));
-    Vec3f step = Vec3f(1.0f, 1.0f, 1.0f).cross(normal);
-    if (step == Vec3f(0.0f)) step = Vec3f(-1.0f, 1.0f, 1.0f).cross(normal);
     RayDifferential result;
-    result.dp_dx = normalized_or(step, Vec3f(0.0f)) * width;
-    result.dp_dy = normal.cross(result.dp_dx);
+    diagonal_basis(normal, result.dp_dx, result.dp_dy);
+    result.dp_dx *= width;
+    result.dp_dy *= width;
     return result;
 }
 

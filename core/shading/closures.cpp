@@ -101,8 +101,9 @@ bool differ_in_weight_alone(const Lobe& a, const Lobe& b) {
            a.tangent == b.tangent && a.alpha_x == b.alpha_x && a.alpha_y == b.alpha_y && a.ior == b.ior &&
            a.roughness == b.roughness && a.softness == b.softness && a.fresnel_0 == b.fresnel_0 &&
            a.masking == b.masking && a.stays_sharp == b.stays_sharp && a.in_front == b.in_front &&
-           a.is_reduced == b.is_reduced && a.entry == b.entry && a.fresnel == b.fresnel && a.radius == b.radius &&
-           a.refracted == b.refracted && a.across == b.across && a.tilt == b.tilt && a.film == b.film;
+           a.by_profile == b.by_profile && a.is_reduced == b.is_reduced && a.entry == b.entry &&
+           a.fresnel == b.fresnel && a.radius == b.radius && a.refracted == b.refracted && a.across == b.across &&
+           a.tilt == b.tilt && a.film == b.film;
 }
 
 /// How far two lobes are from each other; infinite for those that nothing makes alike: of two types, or a mirror and

@@ -73,8 +73,9 @@ struct Lobe {
     bool stays_sharp = false;  ///< Reflection, Refraction, Glass: `widen` passes it by
     /// Microfacets whose `fresnel` is Dielectric, and Glass: its factors are those of the normal, whatever the facet.
     bool fresnel_at_normal = false;
-    bool in_front = false;   ///< ToonGlossy: nothing at right angles to the mirror direction and beyond
-    bool is_reduced = true;  ///< Subsurface: `radius` is as of a phase function that prefers no direction
+    bool in_front = false;    ///< ToonGlossy: nothing at right angles to the mirror direction and beyond
+    bool by_profile = false;  ///< Subsurface: light leaves by a profile of the distance, whose width `radius` is
+    bool is_reduced = true;   ///< Subsurface: `radius` is as of a phase function that prefers no direction
     EntryKind entry = EntryKind::Diffuse;
     Color weight{0, 0, 0};     ///< factor on the lobe's value
     Color refracted{1, 1, 1};  ///< Glass: a further factor on what it refracts

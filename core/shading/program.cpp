@@ -74,11 +74,11 @@ IntRange int_range(Operation operation, size_t i) {
         case Operation::bevel:
             return i == 0 ? IntRange{1, 1024} : IntRange{0, 1};
         case Operation::subsurface:
+        case Operation::principled:
         case Operation::principled_layers:
-            return {0, i == 0 ? 2 : 1};
+            return {0, i == 0 ? 3 : 1};
         case Operation::diffuse:
         case Operation::toon:
-        case Operation::principled:
         case Operation::glossy:
         case Operation::refraction:
         case Operation::glass:

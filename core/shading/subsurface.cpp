@@ -29,10 +29,12 @@ float dipole_albedo(float reflectance, float boundary) {
     return middle;
 }
 
-/// Mean free paths for what an artist calls radius; reduced by the phase function but for the method of that name.
+/// Mean free paths for what an artist calls radius; reduced by the phase function but for the method of that name. Of a
+/// profile, its widths: as in Cycles those are the mean free paths, whatever the albedo.
 Color free_paths(const SubsurfaceParameters& p) {
     if (p.method == SubsurfaceMethod::MeanFreePath) return p.radius;
-    if (p.method == SubsurfaceMethod::FixedRadius) return p.radius * (0.25f / kPi);
+    if (p.method == SubsurfaceMethod::FixedRadius || p.method == SubsurfaceMethod::Profile)
+        return p.radius * (0.25f / kPi);
     const float inverse = 1.0f / std::clamp(p.ior, 1.01f, 3.8f), ior = 1.0f / inverse;
     // Mean reflectance inside (Jensen et al. 2001, section 2.2).
     const float inner = inverse * (-1.440f * inverse + 0.710f) + 0.668f + 0.0636f * ior;
@@ -109,7 +111,8 @@ void add_subsurface(const SubsurfaceParameters& p, Closures& closures) {
     lobe.radius = free_paths(p);
     lobe.is_reduced = p.method != SubsurfaceMethod::MeanFreePath;
     const bool is_physical = p.method == SubsurfaceMethod::Physical;
-    if (p.is_refracted) lobe.entry = is_physical ? EntryKind::Either : EntryKind::Refracted;
+    lobe.by_profile = p.method == SubsurfaceMethod::Profile;
+    if (p.is_refracted && !lobe.by_profile) lobe.entry = is_physical ? EntryKind::Either : EntryKind::Refracted;
     // The physical method's surface is as rough as can be, and has the index of the body, as in Cycles.
     lobe.alpha_x = lobe.alpha_y = is_physical ? 1.0f : p.entry_alpha;
     lobe.ior = std::max(is_physical ? p.ior : p.entry_ior, 1.0f);

@@ -12,8 +12,9 @@
 namespace rayleaf {
 
 /// How the radius is meant: scaled as in older models; such that light spreads that far in a body of that index; or as
-/// the mean way between two scatterings.
-enum class SubsurfaceMethod : uint8_t { FixedRadius, Physical, MeanFreePath };
+/// the mean way between two scatterings. By a profile no light walks: the distance alone says how much of it leaves
+/// where (integrators/subsurface_probe.h); the radius is scaled as in older models.
+enum class SubsurfaceMethod : uint8_t { FixedRadius, Physical, MeanFreePath, Profile };
 
 struct SubsurfaceParameters {
     Color weight{0, 0, 0};  ///< times the albedo already

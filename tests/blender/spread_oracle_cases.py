@@ -31,11 +31,13 @@ def subsurface_cases():
     found.append(Case(node, {"falloff": PHYSICAL}, {**color, "IOR": 2.5}))
     found.append(Case(node, {"falloff": PHYSICAL}, {**color, "Color": (1.0, 0.02, 0.0, 1)}))
     found.append(Case(node, {"falloff": PHYSICAL}, {**color, "Normal": "leaning"}))
+    for more in ({}, {"Scale": 4.0}, {"Radius": (0.3, 0.0, 0.08)}, {"Normal": "leaning"}):
+        found.append(Case(node, {"falloff": "BURLEY"}, {**color, **more}))
     node = "ShaderNodeBsdfPrincipled"
     both = {"Base Color": (0.8, 0.5, 0.3, 1), "Subsurface Radius": RADIUS}
     both |= {"Subsurface Color": (0.3, 0.7, 0.8, 1)} if bpy.app.version < (4, 0, 0) else {"Subsurface Scale": 1.0}
     share = scenes.SUBSURFACE
-    for method in (FIXED, PHYSICAL, *NEWER):
+    for method in (FIXED, PHYSICAL, "BURLEY", *NEWER):
         for more in ({share: 1.0}, {share: 0.3, "Roughness": 1.0}, {share: 1.0, "Metallic": 0.5}):
             found.append(Case(node, {"subsurface_method": method}, {**both, **more}))
     inputs = {share: 1.0, "Subsurface IOR": 1.8, "Subsurface Anisotropy": 0.5}

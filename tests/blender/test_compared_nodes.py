@@ -16,7 +16,6 @@ NOT_COMPARED = {
     "ShaderNodeBump": {"input Filter Width": "compared by test_bent_normals_oracle.py"},
     "ShaderNodeMixRGB": {"use_alpha=True": "of the compositor's node, which shares the definition"},
     "ShaderNodeBsdfPrincipled": {
-        "subsurface_method=BURLEY": "named by a message where there is subsurface scattering",
         "input Transmission Dispersion Scale": "named by a message where it is not 0",
         "input Transmission Dispersion Abbe Number": "named with the scale",
     },

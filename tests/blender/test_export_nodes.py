@@ -249,7 +249,7 @@ def test_principled_takes_its_sockets_by_name_and_those_of_subsurface_scattering
     count = len(names) + (4 if has_layers else 5)  # layers have no colour of their own below the surface
     version = tuple(run["version"])
     more = [int(version < (5, 0)), int(version >= (5, 0)), int(version >= (4, 5))] if has_layers else []
-    assert run["found"]["BURLEY"] == [0.5, count, [0, *more], 1]
+    assert run["found"]["BURLEY"] == [0.5, count, [3, *more], 0]
     walk = [0.5, count, [0 if has_layers else 1, *more], 0]
     legacy = run["found"].get("RANDOM_WALK_LEGACY")  # 5.2, where the plain one is another
     assert legacy in (None, walk) and run["found"]["RANDOM_WALK"] == (

@@ -7,22 +7,20 @@ from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Register
 
 # The core's methods of subsurface scattering, by Blender's names.
-_FIXED_RADIUS, _PHYSICAL, _MEAN_FREE_PATH = 0, 1, 2
+_FIXED_RADIUS, _PHYSICAL, _MEAN_FREE_PATH, _PROFILE = range(4)
 _METHODS = {
     "RANDOM_WALK_FIXED_RADIUS": _FIXED_RADIUS,
     "RANDOM_WALK": _PHYSICAL,
     "RANDOM_WALK_SKIN": _PHYSICAL,
     "RANDOM_WALK_LEGACY": _FIXED_RADIUS,  # 5.2's name
-    "BURLEY": _FIXED_RADIUS,
+    "BURLEY": _PROFILE,  # Christensen's and Burley's
 }
 
 
 def method_of(view: NodeView, identifier: str) -> int:
-    """The core's method; Christensen and Burley's profiles become a walk of that radius."""
+    """The core's method."""
     if identifier == "RANDOM_WALK" and cycles_versions.random_walk_has_mean_free_path():
         return _MEAN_FREE_PATH
-    if identifier == "BURLEY":
-        view.warn("the method Christensen-Burley is rendered as a random walk with fixed radius")
     # Since 4.0 "Random Walk" is the one of fixed radius, and the other is called "Skin".
     if identifier == "RANDOM_WALK" and "RANDOM_WALK_SKIN" in {
         item.identifier for item in view.node.bl_rna.properties[_method_property(view)].enum_items
