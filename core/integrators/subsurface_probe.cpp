@@ -2,9 +2,11 @@
 
 #include "base/circle.h"
 #include "base/diagonal_basis.h"
-#include "shading/subsurface.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 namespace rayleaf {
 namespace {
@@ -110,6 +112,7 @@ std::optional<SubsurfaceExit> probe_beside(const Scene& scene, const SubsurfaceS
     const float farthest = kMostWidths * width,
                 height = std::sqrt(std::max(farthest * farthest - radius * radius, 0.0f));
     const Vec2f on_disk = on_circle(random.y) * radius;
+    if (!std::isfinite(height)) return std::nullopt;
     Ray probe = ray;
     probe.start = {};
     probe.direction = -Vec3d(axes.along());
@@ -121,7 +124,7 @@ std::optional<SubsurfaceExit> probe_beside(const Scene& scene, const SubsurfaceS
     std::array<ProbeHit, kMostHits> hits;
     size_t count = 0;
     float sum = 0.0f;
-    while (count < kMostHits && density > 0.0f) {
+    for (size_t crossed = 0; crossed < kMostHits && density > 0.0f; ++crossed) {
         const Maybe<Hit> hit = scene.tracer().closest_on(from.instance, probe);
         if (!hit) break;
         constexpr double kApart = 1e-6;  // of the probe's length

@@ -65,3 +65,14 @@ def test_light_spreads_across_the_edge_of_a_shadow_as_the_profile_says(core):
     places = (np.arange(8) + 0.5) / 8 - 0.5
     expected = np.array([[albedo[c] * lit_share(x, width[c]) for c in range(3)] for x in places])
     np.testing.assert_allclose(image.mean(0), expected, atol=0.015)
+
+
+@pytest.mark.parametrize("radius", [0.0, 1e-30, 1e-7, 1e10, 1e30, 3e38])
+def test_absurd_radii_give_finite_light(core, radius):
+    scene = block(core, (0.8, 0.5, 0.2), (radius, 0.1, radius))
+    scene.set_world(background(core, (1.0, 1.0, 1.0)), 0)
+    look_down(scene, half=0.1)
+    image = picture(core, scene, samples=1024, size=4, **SETTINGS)
+    assert np.isfinite(image).all() and (image >= 0.0).all()
+    if radius < 1.0:
+        np.testing.assert_allclose(image.mean((0, 1)), (0.8, 0.5, 0.2), rtol=0.05)
