@@ -1,5 +1,4 @@
-// A frame around a normal that is Cycles' own: of what depends on the frame, as on the direction of a step, we have the
-// same.
+// The frame that Cycles builds around a normal. It is used where the choice of the frame shows in the picture.
 #pragma once
 
 #include "base/vector.h"

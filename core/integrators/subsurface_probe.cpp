@@ -13,7 +13,7 @@ namespace {
 
 /// Beyond so many times its width a profile is nothing, as in Cycles.
 constexpr float kMostWidths = 16.0f;
-/// Of a probe; those of a body that it crosses more often are left out, the farthest first.
+/// As many surfaces of the body a probe meets at most; it does not look for those behind.
 constexpr size_t kMostHits = 16;
 
 /// What of light has left within `x` widths.
@@ -70,8 +70,9 @@ struct Profiles {
     }
 };
 
-/// The axes along which one may probe, and how often each is chosen: along the normal, or along the surface. As
-/// profiles are of the distance, and probes of that across an axis, what corners show depends on the frame.
+/// The axes along which a probe may go: the normal, half of the time, or one of two along the surface. Its distance is
+/// chosen across its axis, but the profile is asked for the true distance: at corners the result depends on the frame,
+/// so it is Cycles'.
 struct ProfileAxes {
     std::array<Vec3f, 3> axes;
     size_t chosen;
@@ -95,6 +96,7 @@ struct ProfileAxes {
 
 struct ProbeHit {
     Hit hit;
+    Vec3f facet_normal;
     Color weight;
 };
 
@@ -134,10 +136,10 @@ std::optional<SubsurfaceExit> probe_beside(const Scene& scene, const SubsurfaceS
         const Color weight = profiles.at(distance) * (axes.weight(facet_normal) / density);
         probe.t_min = hit->t + kApart * probe.t_max;
         if (!is_finite(weight) || is_black(weight)) continue;
-        hits[count++] = {*hit, weight};
+        hits[count++] = {*hit, facet_normal, weight};
         sum += average(weight);
     }
-    // One of them, by what it weighs.
+    // One of them, with a chance in proportion to its weight.
     float left = own.get1(1) * sum;
     for (size_t i = 0; i < count; ++i) {
         const float share = average(hits[i].weight);
@@ -146,8 +148,7 @@ std::optional<SubsurfaceExit> probe_beside(const Scene& scene, const SubsurfaceS
         SubsurfaceExit exit{probe, hits[i].hit, hits[i].weight * (sum / share), {}};
         exit.ray.t_min = 0;
         const bool entered_in_front = from.facet_normal.dot(start.vertex.outgoing) > 0.0f;
-        const Vec3f facet_normal = scene.tracer().surface_point(exit.ray, exit.hit).facet_normal;
-        exit.outwards = entered_in_front ? facet_normal : -facet_normal;
+        exit.outwards = entered_in_front ? hits[i].facet_normal : -hits[i].facet_normal;
         return exit;
     }
     return std::nullopt;

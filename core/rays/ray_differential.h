@@ -31,8 +31,9 @@ struct RayDifferential {
         return std::sqrt(std::max(squared(dp_dx), squared(dp_dy)));
     }
     /// The footprint of a round beam that meets a surface of that unit normal as if at right angles: two steps at right
-    /// angles on it, as long as the beam is wide in the mean. The direction does not change from step to step. The first
-    /// step is at right angles to the diagonal of the axes, as Cycles has it: that shows where heights differ over it.
+    /// angles on it, as long as the beam is wide in the mean. The direction does not change from step to step. The
+    /// first step is at right angles to the diagonal of the axes, as in Cycles: bumps finer than a pixel look alike
+    /// then.
     RayDifferential round_footprint(const Vec3f& direction, const Vec3f& normal) const;
     /// Of a ray along the unit `direction`.
     RayBeam beam(const Vec3f& direction, const RayWidening& widening) const;

@@ -272,7 +272,7 @@ PrincipledLayers principled_layers(PrincipledVariant variant, const Operands& op
     p.normal = mirror_normal(operands, 20, inputs, clearing);
     p.matte_normal = clearing == Clearing::All ? p.normal : matte_normal(operands, 20, inputs, clearing);
     p.coat_normal = mirror_normal(operands, 21, inputs, clearing);
-    p.matte_coat_normal = matte_normal(operands, 21, inputs, clearing);
+    p.matte_coat_normal = clearing == Clearing::All ? p.coat_normal : matte_normal(operands, 21, inputs, clearing);
     p.tangent = operands.vector(22, inputs.point->dp_du);
     p.outgoing = inputs.outgoing;
     p.diffuse_roughness = saturate(operands.scalar(23));

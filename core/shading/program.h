@@ -46,8 +46,8 @@ class Program {
                        const std::string& text = {});
 
     const std::string& name() const { return name_; }
-    /// How far from the hit bumps compare heights, in pixels: less shows finer ones than these, and more noise.
-    /// Positive.
+    /// The distance over which bumps compare heights, in pixels; positive. Below 1 they show heights that vary within a
+    /// pixel.
     float bump_width() const { return bump_width_; }
     void set_bump_width(float width);
     /// All that its results depend on beside the inputs; textures by their numbers.
@@ -130,7 +130,7 @@ class Program {
     std::span<const int32_t> ints_of(const Instruction& instruction) const;
     std::span<const float> floats_of(const Instruction& instruction) const;
     bool flag_of(const Instruction& instruction) const;  ///< its first integer
-    /// How far neighbours are from the hit, in pixels.
+    /// The distance of a hit's neighbours from it, in pixels.
     float step_width() const { return bends_ ? bump_width_ : 1.0f; }
     Vec4f arithmetic(const Instruction& instruction, const Operands& operands) const;
     Vec4f input_at(const Instruction& instruction, const Operands& operands, const ShadingInputs& inputs) const;

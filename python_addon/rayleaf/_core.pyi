@@ -46,7 +46,7 @@ class Program:
         """Appends an operation; the register of its result, -1 for closures."""
     name: str
     bump_width: float
-    """How far from the hit bumps compare heights, in pixels; positive."""
+    """The distance over which bumps compare heights, in pixels; positive."""
     emits: bool
     may_be_transparent: bool
     is_constant: bool

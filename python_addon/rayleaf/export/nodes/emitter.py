@@ -26,7 +26,7 @@ class Emitter:
         self._operations: dict[Any, Register] = {}
 
     def take_bump_width(self, width: float) -> float:
-        """Sets how far bumps compare heights, in pixels, unless that is set; what it is now."""
+        """Sets the distance over which bumps compare heights, in pixels, if it is not set yet; returns the one that is used."""
         if not self._has_bump_width:
             self._has_bump_width, self.program.bump_width = True, width
         return float(self.program.bump_width)

@@ -107,13 +107,13 @@ def bump(view: NodeView, output: str) -> Register:
 
 
 def _set_filter_width(view: NodeView) -> None:
-    """Cycles reads the socket's own value (4.5), whatever is linked to it."""
+    """Since 4.5. Cycles reads the socket's own value, whatever is linked to it."""
     socket = view.socket("Filter Width")
     if socket is None:
         return
     taken = view.emitter.take_bump_width(max(float(socket.default_value), _LEAST_FILTER_WIDTH))
     if abs(taken - socket.default_value) > _LEAST_FILTER_WIDTH:
-        view.warn(f"the bumps of a material have one Filter Width; it is {taken:.3g}")
+        view.warn(f"all bumps of a material share one Filter Width; {taken:.3g} is used")
 
 
 @value_node("ShaderNodeBevel")
