@@ -168,15 +168,16 @@ Lobe hair_fibre_lobe(HairColoring coloring, const Operands& operands, const Shad
     return lobe;
 }
 
-/// Light that a diffuse lobe has scattered before may leave bodies where it entered them, which is faster: but what is
-/// lit from behind lights nothing then.
-bool leaves_where_it_entered(std::span<const int32_t> ints, const ShadingInputs& inputs) {
-    const bool always_spreads = ints.size() > 2 && ints[2] != 0;
-    return !always_spreads && inputs.path.diffuse_depth > 0;
-}
-
 SubsurfaceMethod subsurface_method(std::span<const int32_t> ints) {
     return ints.empty() ? SubsurfaceMethod::FixedRadius : static_cast<SubsurfaceMethod>(ints[0]);
+}
+
+/// Light that a diffuse lobe has scattered before may leave bodies where it entered them, which is faster: but what is
+/// lit from behind lights nothing then. By profiles it always does, as in Cycles: they may add light where a body is
+/// thin, and would multiply it from bounce to bounce.
+bool leaves_where_it_entered(std::span<const int32_t> ints, const ShadingInputs& inputs) {
+    const bool walks_on = ints.size() > 2 && ints[2] != 0 && subsurface_method(ints) != SubsurfaceMethod::Profile;
+    return !walks_on && inputs.path.diffuse_depth > 0;
 }
 
 SubsurfaceParameters subsurface_parameters(const Operands& operands, std::span<const int32_t> ints,

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 from path_scenes import picture
-from scenes import CUBE_TRIANGLES, CUBE_VERTICES, background, look_down, matrix
+from scenes import CUBE_TRIANGLES, CUBE_VERTICES, background, look_down, matrix, sphere_spline
 
 PROFILE = 3
 SETTINGS = dict(max_bounces=8, diffuse_bounces=8)
 TRUNCATED = 1 - 0.25 * np.exp(-16) - 0.75 * np.exp(-16 / 3)
 
 
-def wax(core, color, radius):
+def wax(core, color, radius, more=()):
     program = core.Program("wax")
     values = [1.0, color, 1.0, radius, 1.4, 0.0]
     operands = [program.constant(*(v if isinstance(v, tuple) else (v,) * 3), 1) for v in values]
-    program.operation("subsurface", operands, ints=[PROFILE])
+    program.operation("subsurface", operands, ints=[PROFILE, *more])
     return program
 
 
@@ -35,6 +35,23 @@ def test_all_light_leaves_in_the_colour_that_a_body_is_given(core, integrator):
     look_down(scene, half=0.1)
     image = picture(core, scene, samples=1024, size=4, integrator=integrator, **SETTINGS)
     np.testing.assert_allclose(image.mean((0, 1)), color, rtol=0.01)
+
+
+@pytest.mark.parametrize("integrator", ["PATH", "DISTRIBUTION"])
+def test_thin_shells_do_not_multiply_light_from_bounce_to_bounce(core, integrator):
+    """Light of diffuse bounces leaves where it entered, also where walks are asked for after them, as since Blender 5.0."""
+    images = []
+    for more in ((0, 0), (0, 1)):
+        scene = core.SceneDescription()
+        materials = scene.add_material_list([scene.add_material("wax", wax(core, (0.8,) * 3, (1.2,) * 3, more))])
+        shell = scene.add_surface("ball", [sphere_spline(core)])
+        for number, size in enumerate((1.0, 0.95)):
+            scene.add_instance(f"shell {number}", shell, matrix(scale=size), materials)
+        scene.set_world(background(core, (1.0, 1.0, 1.0)), 0)
+        look_down(scene, half=0.1)
+        images.append(picture(core, scene, samples=64, size=4, integrator=integrator, **SETTINGS))
+    np.testing.assert_array_equal(*images)
+    assert images[0].max() < 2.0
 
 
 def lit_share(x, width):
