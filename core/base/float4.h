@@ -30,6 +30,9 @@ template <int i, int j, int k, int l>
 Float4 shuffled(Float4 a) {
     return __builtin_shufflevector(a, a, i, j, k, l);
 }
+inline float sum_of(Float4 a) {
+    return (a[0] + a[1]) + (a[2] + a[3]);
+}
 inline float least_of(Float4 a) {
     const Float4 pairs = min4(a, shuffled<2, 3, 0, 1>(a));
     return pairs[1] < pairs[0] ? pairs[1] : pairs[0];

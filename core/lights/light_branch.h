@@ -28,7 +28,8 @@ struct LightBranch {
     std::array<double, kMost> x{}, y{}, z{};
     Float4 radius{}, intensity{};  ///< a share of the tree's
     Float4 axis_x{}, axis_y{}, axis_z{}, spread_cosine{}, spread_sine{};
-    Float4 side{};  ///< that is seen: 1, that of the normals, or -1, the other; 0: both are
+    Float4 no_axis{};  ///< 1 where a node shines alike in all directions, else 0
+    Float4 side{};     ///< that is seen: 1, that of the normals, or -1, the other; 0: both are
 
     std::array<uint32_t, kMost> node{};   ///< of the tree
     std::array<uint32_t, kMost> below{};  ///< of a leaf its item, else the branch of its children
@@ -41,9 +42,19 @@ struct LightBranch {
 
     bool is_leaf(size_t lane) const { return (leaves >> lane & 1u) != 0; }
     void set_cone(size_t lane, const LightCone& cone);
-    /// By which one of them is chosen at a point: intensity over squared distance, times the cosines at the lights and
-    /// at the point, at best. Nothing where `shining`, the intensities of those that count, is zero, and only there.
-    Float4 weights(const LitPoint& at, Float4 shining, Float4 sides) const;
+    /// By which one of them is chosen at a point.
+    struct Weights {
+        /// Intensity over squared distance, times the cosines at the lights and at the point, about the mean of each
+        /// over a node.
+        Float4 numbers{};
+        Float4 cosines{};  ///< these alone; 1 within a node
+
+        /// A share of them by the cosines alone, for as much in all: estimates know nothing of shadows, and a bright
+        /// light that does not arrive would leave few samples to the others.
+        Float4 evened() const;
+    };
+    /// All are zero where `shining`, the intensities of those that count, is zero, and only there.
+    Weights weights(const LitPoint& at, Float4 shining, Float4 sides) const;
     /// A bit for each whose sphere the position is in.
     uint32_t around(const Vec3d& position) const;
 

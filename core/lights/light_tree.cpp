@@ -39,20 +39,94 @@ LightCone common_cone(const std::vector<LightTreeItem>& items, std::span<const u
 /// where the distance says nothing; small lights beside them would hardly be chosen, however near.
 constexpr double kLargeSquared = 0.25;
 
+/// Some lights, by what makes the estimate for all of them together a bad one for a single one.
+struct LightCluster {
+    Box3d box;
+    double intensity = 0;
+    Vec3d axes{0, 0, 0};  ///< of their cones, each times the intensity
+    size_t count = 0;
+
+    void add(const LightTreeItem& item) {
+        box.extendBy(item.bounds);
+        intensity += item.intensity;
+        axes += Vec3d(item.cone.axis) * item.intensity;
+        ++count;
+    }
+    void add(const LightCluster& other) {
+        if (other.count == 0) return;
+        box.extendBy(other.box);
+        intensity += other.intensity;
+        axes += other.axes;
+        count += other.count;
+    }
+    /// Intensity, times how large, times how differently directed: lights that all shine one way fill a quarter of the
+    /// directions that lights of all ways do.
+    double cost() const {
+        if (count < 2) return 0.0;
+        const double alike = intensity > 0.0 ? axes.length() / intensity : 0.0;
+        return intensity * box.size().length2() * (4.0 - 3.0 * alike);
+    }
+};
+
+/// Where a node's lights are divided: at one of some even steps along an axis, so that the costs of both halves are
+/// least (Conty Estevez and Kulla, section 4.4, with the square of the box's diagonal as its size).
+class Division {
+  public:
+    Division(const std::vector<LightTreeItem>& items, std::span<const uint32_t> order, const Box3d& centers)
+        : items_(items), centers_(centers) {
+        std::array<std::array<LightCluster, kSteps>, 3> clusters;
+        for (const uint32_t item : order)
+            for (int axis = 0; axis < 3; ++axis) clusters[axis][step(item, axis)].add(items[item]);
+        double least = std::numeric_limits<double>::infinity();
+        for (int axis = 0; axis < 3; ++axis) {
+            std::array<double, kSteps> cost_above{};
+            LightCluster above, below;
+            for (size_t i = kSteps; i-- > 1;) {
+                above.add(clusters[axis][i]);
+                cost_above[i] = above.cost();
+            }
+            for (size_t i = 1; i < kSteps; ++i) {
+                below.add(clusters[axis][i - 1]);
+                const double cost = below.cost() + cost_above[i];
+                if (below.count == 0 || below.count == order.size() || !(cost < least)) continue;
+                least = cost;
+                axis_ = axis;
+                first_above_ = i;
+            }
+        }
+    }
+    /// False where all lights have one middle.
+    explicit operator bool() const { return first_above_ > 0; }
+    bool is_below(uint32_t item) const { return step(item, axis_) < first_above_; }
+
+  private:
+    static constexpr size_t kSteps = 12;
+    const std::vector<LightTreeItem>& items_;
+    const Box3d& centers_;
+    int axis_ = 0;
+    size_t first_above_ = 0;
+
+    size_t step(uint32_t item, int axis) const {
+        const double extent = centers_.max[axis] - centers_.min[axis];
+        if (!(extent > 0.0)) return 0;
+        const double share = (items_[item].bounds.center()[axis] - centers_.min[axis]) / extent;
+        return static_cast<size_t>(std::clamp(share * kSteps, 0.0, kSteps - 1.0));
+    }
+};
+
 /// Orders the items of a node into those of its two children; how many the first has. `box` and `centers` are bounds of
-/// the items and of their middles.
+/// the items and of their middles, `depth` is the node's.
 size_t divide(const std::vector<LightTreeItem>& items, std::span<uint32_t> order, const Box3d& box,
-              const Box3d& centers) {
+              const Box3d& centers, int depth) {
+    const auto below = [&](auto&& is_first) {
+        return static_cast<size_t>(std::partition(order.begin(), order.end(), is_first) - order.begin());
+    };
     const double large = kLargeSquared * box.size().length2();
-    const auto others = std::partition(order.begin(), order.end(),
-                                       [&](uint32_t item) { return items[item].bounds.size().length2() > large; });
-    if (others != order.begin() && others != order.end()) return static_cast<size_t>(others - order.begin());
-    const auto axis = static_cast<int>(centers.majorAxis());
-    const auto middle = order.begin() + static_cast<ptrdiff_t>(order.size() / 2);
-    const auto center_of = [&](uint32_t item) { return items[item].bounds.min[axis] + items[item].bounds.max[axis]; };
-    std::nth_element(order.begin(), middle, order.end(), [&](uint32_t a, uint32_t b) {
-        return center_of(a) != center_of(b) ? center_of(a) < center_of(b) : a < b;
-    });
+    const size_t others = below([&](uint32_t item) { return items[item].bounds.size().length2() > large; });
+    if (others > 0 && others < order.size()) return others;
+    constexpr int kDeepest = 64;  // below it halves: no chain of lights gets too deep for a call in each
+    if (const Division division(items, order, centers); division && depth < kDeepest)
+        return below([&](uint32_t item) { return division.is_below(item); });
     return order.size() / 2;
 }
 
@@ -66,15 +140,16 @@ LightTree::LightTree(const std::vector<LightTreeItem>& items, const CancelToken&
     nodes_.reserve(2 * items.size() - 1);
     nodes_.emplace_back();
     std::vector<LightCone> cones(2 * items.size() - 1);
-    build(items, order, 0, order.size(), 0, cones, cancel);
+    build(items, order, {0, order.size(), 0, 0}, cones, cancel);
     radius_ = static_cast<float>(std::sqrt(nodes_.front().radius_squared));
     gather_sets(items);
     add_branch(0, {}, items, cones, cancel);
 }
 
-void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
-                      uint32_t node, std::vector<LightCone>& cones, const CancelToken& cancel) {
+void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, const Part& part,
+                      std::vector<LightCone>& cones, const CancelToken& cancel) {
     cancel.throw_if_cancelled();
+    const auto [begin, end, node, depth] = part;
     Box3d box, centers;
     double intensity = 0;
     for (size_t i = begin; i < end; ++i) {
@@ -90,12 +165,12 @@ void LightTree::build(const std::vector<LightTreeItem>& items, std::vector<uint3
         nodes_[node].item = order[begin];
         return;
     }
-    const size_t middle = begin + divide(items, {order.data() + begin, end - begin}, box, centers);
+    const size_t middle = begin + divide(items, {order.data() + begin, end - begin}, box, centers, depth);
     const auto left = static_cast<uint32_t>(nodes_.size());
     nodes_.resize(nodes_.size() + 2);
     nodes_[node].left = left;
-    build(items, order, begin, middle, left, cones, cancel);
-    build(items, order, middle, end, left + 1, cones, cancel);
+    build(items, order, {begin, middle, left, depth + 1}, cones, cancel);
+    build(items, order, {middle, end, left + 1, depth + 1}, cones, cancel);
 }
 
 void LightTree::add_branch(uint32_t node, const Place& parent, const std::vector<LightTreeItem>& items,
@@ -133,15 +208,25 @@ void LightTree::add_branch(uint32_t node, const Place& parent, const std::vector
     }
 }
 
-/// Those that are weighed together below a node, or a leaf alone; their number.
+/// Those that are weighed together below a node, or a leaf alone; their number. Of the nodes that may be replaced by
+/// their children those are whose estimate is the worst.
 uint32_t LightTree::children(uint32_t node, std::array<uint32_t, LightBranch::kMost>& result) const {
     uint32_t count = 0;
-    const uint32_t left = nodes_[node].left;
-    if (left == 0) result[count++] = node;
-    for (uint32_t child = left; left != 0 && child <= left + 1; ++child) {
-        const uint32_t below = nodes_[child].left;
-        result[count++] = below == 0 ? child : below;
-        if (below != 0) result[count++] = below + 1;
+    result[count++] = node;
+    while (count < LightBranch::kMost) {
+        uint32_t worst = count;
+        double most = -1.0;
+        for (uint32_t i = 0; i < count; ++i) {
+            const Node& each = nodes_[result[i]];
+            const double error = each.intensity * each.radius_squared;
+            if (each.left == 0 || !(error > most)) continue;
+            worst = i;
+            most = error;
+        }
+        if (worst == count) break;
+        const uint32_t left = nodes_[result[worst]].left;
+        result[worst] = left;
+        result[count++] = left + 1;
     }
     return count;
 }

@@ -2,11 +2,13 @@
 //
 // A reduced light tree (A. Conty Estevez, C. Kulla: Importance Sampling of Many Lights with Adaptive Tree Splitting,
 // HPG 2018, section 4): a node is chosen in proportion to intensity over squared distance, times the cosines at the
-// lights (their orientation cones) and at the point; one of the up to four that are two levels below the last, which
-// are weighed together (lights/light_branch.h). Without the part of the paper that splits nodes; but large lights lie
-// in nodes of their own, so that no node is large for one light's sake. A single light may say that its light does not
-// arrive. Cosines are bounds for a node's sphere; none counts as less than kLeastCosine (lights/cosines.h). One light
-// costs O(log n), and the choice is a pure function of the point and the random number.
+// lights (their orientation cones) and at the point; one of up to four, which are weighed together
+// (lights/light_branch.h): those below the last whose estimates are the worst. Without the part of the paper that
+// splits nodes; but large lights lie in nodes of their own, so that no node is large for one light's sake, and of the
+// first choice a share goes by cosines alone. A single light may say that its light does not arrive. Cosines are means
+// over a node, where the paper has bounds: bounds of neighbours differ little, and half of the samples would go to
+// lights that face away. None counts as nothing. One light costs O(log n), and the choice is a pure function of the
+// point and the random number.
 #pragma once
 
 #include "base/cancel.h"
@@ -47,7 +49,7 @@ class LightTree {
     /// Of the lights among which the choice of one begins. All zero where none of them arrives.
     template <typename Reaches>
     Float4 first_weights(const LitPoint& at, const Reaches& reaches) const {
-        return weights(branches_.front(), at, reaches);
+        return weights_of(branches_.front(), at, reaches).evened();
     }
     /// The tree's against suns and the world: the cosine at the point, at best, and a rough estimate of the irradiance
     /// of all lights there. `first`: first_weights.
@@ -133,11 +135,17 @@ class LightTree {
                     std::span<const LightCone> cones, const CancelToken& cancel);
     uint32_t children(uint32_t node, std::array<uint32_t, LightBranch::kMost>& result) const;
     void gather_sets(const std::vector<LightTreeItem>& items);
-    void build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, size_t begin, size_t end,
-               uint32_t node, std::vector<LightCone>& cones, const CancelToken& cancel);
+    /// Items of `order` that belong to a node.
+    struct Part {
+        size_t begin, end;
+        uint32_t node;
+        int depth;
+    };
+    void build(const std::vector<LightTreeItem>& items, std::vector<uint32_t>& order, const Part& part,
+               std::vector<LightCone>& cones, const CancelToken& cancel);
 
     template <typename Reaches>
-    Float4 weights(const LightBranch& branch, const LitPoint& at, const Reaches& reaches) const {
+    LightBranch::Weights weights_of(const LightBranch& branch, const LitPoint& at, const Reaches& reaches) const {
         Float4 shining = branch.intensity;
         for (uint32_t rest = branch.bounded; rest != 0; rest &= rest - 1) {
             const auto lane = static_cast<size_t>(std::countr_zero(rest));
@@ -191,7 +199,7 @@ double LightTree::irradiance(const LightBranch& branch, Float4 weights, const Li
             sum += double{weights[i]} * mean_cosine(at);
         } else {
             const LightBranch& below = branches_[branch.below[i]];
-            sum += irradiance(below, this->weights(below, at, reaches), at, reaches, depth + 1);
+            sum += irradiance(below, weights_of(below, at, reaches).numbers, at, reaches, depth + 1);
         }
     }
     return sum;
@@ -219,7 +227,7 @@ std::optional<LightTree::Choice> LightTree::choose(const LitPoint& at, double ra
         choice.item = branch->below[static_cast<size_t>(lane)];
         if (branch->is_leaf(static_cast<size_t>(lane))) return choice;
         branch = &branches_[choice.item];
-        weights = this->weights(*branch, at, reaches);
+        weights = weights_of(*branch, at, reaches).numbers;
     }
 }
 
@@ -229,7 +237,9 @@ double LightTree::probability(const LitPoint& at, uint32_t item, const Reaches& 
     double probability = 1.0;
     for (Place place = place_of_item_[item];;) {
         const LightBranch& branch = branches_[place.branch];
-        const Float4 weights = place.branch == 0 && first ? *first : this->weights(branch, at, reaches);
+        const Float4 weights = place.branch > 0 ? weights_of(branch, at, reaches).numbers
+                               : first          ? *first
+                                                : first_weights(at, reaches);
         const double total = double{weights[0]} + double{weights[1]} + double{weights[2]} + double{weights[3]};
         probability *= total > 0 ? double{weights[place.lane]} / total : 0.0;
         if (place.branch == 0) return probability;

@@ -294,7 +294,7 @@ def test_a_lamp_is_chosen_by_what_its_nodes_make_of_its_strength(core, kind):
     scene.add_lamp("strong", kind, matrix((2, 0, 4)), (1, 1, 1), emission=strong, **away)
     random = np.random.default_rng(3).random((2000, 2)).astype(np.float32)
     chosen = core.LightProbe(scene).sample(np.array([0.0, 0, 0]), random)
-    # Suns are chosen by their irradiance for half of all choices, and evenly for the others.
-    least = 0.7 if kind == "SUN" else 0.95
+    # Half of all choices among suns, and a quarter of those among other lights, do not ask how strong they are.
+    least = 0.7 if kind == "SUN" else 0.8
     bright = chosen["radiance"][:, 0] > chosen["radiance"][:, 0].max() / 30
     assert least < bright.mean() < 1
