@@ -58,6 +58,11 @@ def strength_scales_slopes() -> bool:
     return bpy.app.version >= (4, 0, 0)
 
 
+def principled_shines_inside() -> bool:
+    """Whether a Principled BSDF that is linked to a Volume socket emits by the length of the way."""
+    return bpy.app.version < (4, 0, 0)
+
+
 def facets_hide_jointly() -> bool:
     """Whether microfacets mask and shadow each other jointly (the core's Masking); before, independently."""
     return bpy.app.version >= (3, 5, 0)

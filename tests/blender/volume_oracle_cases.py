@@ -27,6 +27,12 @@ PRINCIPLED = {"Color": (0.7, 0.5, 0.3, 1), "Density": 1.1, "Anisotropy": 0.3, "A
 GLOW = {"Emission Strength": 0.4, "Emission Color": (0.2, 0.5, 0.9, 1)}
 FIRE = {"Blackbody Intensity": 0.9, "Blackbody Tint": (1, 0.8, 0.7, 1), "Temperature": 1900.0, "Density": 0.3}
 
+# Of a surface's node the glow alone fills a body.
+GLOW_OF_SURFACE = {"Emission": GLOW["Emission Color"], "Emission Strength": 0.5, "Alpha": 0.8}
+UP_TO_3 = (
+    {"a surface's principled": Volume(None, ("BsdfPrincipled", GLOW_OF_SURFACE))} if bpy.app.version < (4, 0, 0) else {}
+)
+
 # Since 4.3. Mie's goes by other formulas for smaller droplets. Its peak is noisy, so that there is little of it.
 PHASES = {
     "FOURNIER_FORAND": {"IOR": 1.5, "Backscatter": 0.2},
@@ -81,6 +87,7 @@ CASES = {
     "principled": Volume(None, ("VolumePrincipled", PRINCIPLED)),
     "principled, glowing": Volume(None, ("VolumePrincipled", {**PRINCIPLED, **GLOW})),
     "principled, burning": Volume(None, ("VolumePrincipled", FIRE)),
+    **UP_TO_3,
     **SINCE_4_3,
     **SINCE_4_5,
     "a mixture": Volume(None, ("MixShader", {0: 0.3, 1: TINT, 2: FOG})),

@@ -14,7 +14,7 @@ from ..mesh_derived import REST_PLACE
 from .graph import Links, Path, Shader, is_group, key_of, output_of
 from .resources import Resources
 
-_OF_BOTH = {"ShaderNodeEmission"}  # surfaces and volumes
+_OF_BOTH = {"ShaderNodeEmission", "ShaderNodeBsdfPrincipled"}  # surfaces and volumes
 _SCALARS = {"VALUE", "INT", "BOOLEAN"}
 
 

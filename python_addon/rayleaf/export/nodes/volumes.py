@@ -96,3 +96,11 @@ def principled(view: NodeView, weight: Register) -> None:
 def emission(view: NodeView, weight: Register) -> None:
     """Emission, by the length of the way."""
     view.emitter.operation("emission", [weight, view.input("Color"), view.input("Strength")])
+
+
+@volume_node("ShaderNodeBsdfPrincipled")
+def principled(view: NodeView, weight: Register) -> None:
+    """Its emission, where Cycles makes a node of its own of that; of the rest nothing acts inside a body."""
+    if not cycles_versions.principled_shines_inside():
+        return
+    view.emitter.operation("emission", [weight, view.input("Emission"), view.input("Emission Strength")])
