@@ -159,9 +159,13 @@ using LampEmission = std::function<void(std::span<const LampPoint>, Color* facto
 /// What a surface emits that emits alike everywhere and in all directions; null: it may not.
 using EvenEmission = std::function<const Color*(uint32_t instance, const LocalHit&)>;
 
+/// Whether a surface that does not shine casts a shadow that lets no light through.
+using Blocking = std::function<bool(uint32_t instance, const LocalHit&)>;
+
 struct Emissions {
     SurfaceEmission surface;
     EvenEmission even;
+    Blocking blocks;
     WorldEmission world;
     LampEmission lamp;
     uint8_t world_visibility = kVisibleAll;  ///< which rays see the world

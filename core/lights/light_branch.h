@@ -38,6 +38,8 @@ struct LightBranch {
     uint32_t leaves = 0;   ///< a bit for each
     uint32_t bounded = 0;  ///< leaves that shine on a part of space alone
     bool has_bodies = false;
+    bool has_views = false;
+    std::array<int32_t, kMost> view{-1, -1, -1, -1};  ///< of the tree's views; -1: light gets everywhere from there
     uint32_t parent = 0, lane_of_parent = 0;
 
     bool is_leaf(size_t lane) const { return (leaves >> lane & 1u) != 0; }

@@ -49,6 +49,31 @@ void LightSet::Implementation::build_tree(const CancelToken& cancel) {
     const std::vector<LightTreeItem> of_surfaces = surfaces.tree_items(cancel);
     items.insert(items.end(), of_surfaces.begin(), of_surfaces.end());
     tree = LightTree(items, cancel);
+    tree.look_around([this](const Vec3d& from, const Vec3d& along) { return obstacle(from, along); }, cancel);
+}
+
+/// What lets light through is passed, but for the few times that would take long.
+std::optional<LightTree::Obstacle> LightSet::Implementation::obstacle(const Vec3d& from, const Vec3d& direction) const {
+    constexpr int kMostPassed = 8;
+    // Surfaces are seen coarsely: a ray stands for many directions, from anywhere on the light.
+    constexpr float kSpread = 0.2f, kWidth = 0.01f;
+    const double size = tracer.bounds().size().length(), step = 1e-6 * size;
+    Ray ray;
+    ray.direction = direction;
+    ray.beam = RayBeam::cone(kWidth * static_cast<float>(size), kSpread);
+    double passed = step;
+    for (int i = 0; i <= kMostPassed; ++i) {
+        ray.origin = from + direction * passed;
+        const Maybe<Hit> hit = tracer.closest_hit(ray, kVisibleShadow);
+        if (!hit) return std::nullopt;
+        passed += hit->t;
+        if (blocks(hit->instance, hit->local)) {
+            const Vec3d normal(tracer.surface_point(hit->instance, hit->local).facet_normal);
+            return LightTree::Obstacle{passed, normal.dot(direction) < 0.0 ? normal : -normal};
+        }
+        passed += step;
+    }
+    return std::nullopt;
 }
 
 LightSet::LightSet(const std::vector<Lamp>& lamps, const std::vector<EmittingInstance>& emitters, const Tracer& tracer,

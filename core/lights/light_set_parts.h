@@ -17,7 +17,9 @@ struct LightSet::Implementation {
     std::vector<DistantLamp> suns;
     size_t lamps_with_size = 0;  ///< the first of the lamps: those that rays can hit
     LightTree hittable{{}};      ///< over those
+    const Tracer& tracer;
     SurfaceLights surfaces;
+    Blocking blocks;
     WorldEmission world_emission;
     uint8_t world_visibility;
     LampEmission lamp_emission;
@@ -26,15 +28,19 @@ struct LightSet::Implementation {
     bool has_links = false;  ///< some light does not shine on all, or has no shadows of some
     std::vector<uint32_t> emitters_with_blockers;
 
-    Implementation(const std::vector<EmittingInstance>& emitters, const Tracer& tracer, Emissions emissions,
+    Implementation(const std::vector<EmittingInstance>& emitters, const Tracer& tracer_of_scene, Emissions emissions,
                    const CancelToken& cancel)
-        : surfaces(emitters, tracer, std::move(emissions.surface), std::move(emissions.even), cancel),
+        : tracer(tracer_of_scene),
+          surfaces(emitters, tracer, std::move(emissions.surface), std::move(emissions.even), cancel),
+          blocks(std::move(emissions.blocks)),
           world_emission(std::move(emissions.world)),
           world_visibility(emissions.world_visibility),
           lamp_emission(std::move(emissions.lamp)) {}
 
     void add(const Lamp& lamp, size_t number);
     void build_tree(const CancelToken& cancel);
+    /// What light from a place meets on its way.
+    std::optional<LightTree::Obstacle> obstacle(const Vec3d& from, const Vec3d& direction) const;
 
     /// Whether light of the tree's item arrives at a position; the choice inside the tree asks it.
     auto reaches(const Vec3d& position) const {

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include <tbb/parallel_for.h>
+
 namespace rayleaf {
 
 namespace {
@@ -240,6 +242,71 @@ void LightTree::gather_sets(const std::vector<LightTreeItem>& items) {
     }
 }
 
+/// One of the lights of a node, by a number in [0,1).
+uint32_t LightTree::item_below(uint32_t node, double choice) const {
+    while (nodes_[node].left != 0) {
+        const uint32_t left = nodes_[node].left;
+        const double both = nodes_[left].intensity + nodes_[left + 1].intensity;
+        const double share = both > 0.0 ? nodes_[left].intensity / both : 0.5;
+        const bool first = choice < share;
+        choice = first ? choice / share : (choice - share) / (1.0 - share);
+        node = first ? left : left + 1;
+    }
+    return nodes_[node].item;
+}
+
+LightView LightTree::view_of(uint32_t node, const Look& look) const {
+    constexpr double kGolden = 0.6180339887498949;
+    LightView result;
+    double choice = 0.5;  // of the lights of a node each ray takes another
+    for (size_t cell = 0; cell < LightView::kCells; ++cell)
+        for (size_t ray = 0; ray < LightView::kRays; ++ray) {
+            choice += kGolden;
+            choice -= std::floor(choice);
+            const Place& place = place_of_item_[item_below(node, choice)];
+            const LightBranch& branch = branches_[place.branch];
+            const Vec3d center(branch.x[place.lane], branch.y[place.lane], branch.z[place.lane]);
+            const Vec3d direction = LightView::direction(cell, ray);
+            if (const std::optional<Obstacle> met = look(center, direction))
+                result.set(cell, ray, met->normal, center + direction * met->distance - nodes_[node].center);
+        }
+    return result;
+}
+
+void LightTree::look_around(const Look& look, const CancelToken& cancel) {
+    if (nodes_.empty() || is_single()) return;
+    const auto see_from = [&](LightBranch& branch) {
+        std::array<LightView, LightBranch::kMost> views;
+        tbb::parallel_for(uint32_t{0}, branch.count, [&](uint32_t lane) {
+            cancel.throw_if_cancelled();
+            views[lane] = view_of(branch.node[lane], look);
+        });
+        for (uint32_t lane = 0; lane < branch.count; ++lane) {
+            if (views[lane].is_open()) continue;
+            branch.view[lane] = static_cast<int32_t>(views_.size());
+            branch.has_views = true;
+            views_.push_back(views[lane]);
+        }
+    };
+    see_from(branches_.front());
+    for (uint32_t lane = 0; lane < branches_.front().count; ++lane)
+        if (!branches_.front().is_leaf(lane)) see_from(branches_[branches_.front().below[lane]]);
+}
+
+void LightTree::see(const LightBranch& branch, const LitPoint& at, LightBranch::Weights& weights) const {
+    constexpr float kLeastOfAll = 0.02f;  // with less nodes are hardly chosen anyway
+    constexpr float kNearest = 9.0f;      // squared distance in radii; nearer, the lights of a node see other things
+    const float least = kLeastOfAll * sum_of(weights.numbers);
+    for (size_t lane = 0; lane < branch.count; ++lane) {
+        if (branch.view[lane] < 0 || !(weights.numbers[lane] > least)) continue;
+        const Vec3f offset(at.position - Vec3d(branch.x[lane], branch.y[lane], branch.z[lane]));
+        if (offset.length2() <= kNearest * branch.radius[lane] * branch.radius[lane]) continue;
+        const float share = views_[static_cast<size_t>(branch.view[lane])].share(offset);
+        weights.numbers[lane] *= share;
+        weights.cosines[lane] *= share;
+    }
+}
+
 /// At best, of all lights.
 float LightTree::cosine_at(const LitPoint& at) const {
     const Vec3f offset(nodes_.front().center - at.position);
@@ -276,7 +343,7 @@ LightTree::Light LightTree::light(uint32_t item) const {
 size_t LightTree::bytes() const {
     return nodes_.capacity() * sizeof(Node) + branches_.capacity() * sizeof(LightBranch) +
            place_of_item_.capacity() * sizeof(Place) + bodies_.capacity() * sizeof(Box3d) +
-           sets_.capacity() * sizeof(LightSets);
+           sets_.capacity() * sizeof(LightSets) + views_.capacity() * sizeof(LightView);
 }
 
 }  // namespace rayleaf

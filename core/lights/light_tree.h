@@ -5,10 +5,11 @@
 // lights (their orientation cones) and at the point; one of up to four, which are weighed together
 // (lights/light_branch.h): those below the last whose estimates are the worst. Without the part of the paper that
 // splits nodes; but large lights lie in nodes of their own, so that no node is large for one light's sake, and of the
-// first choice a share goes by cosines alone. A single light may say that its light does not arrive. Cosines are means
-// over a node, where the paper has bounds: bounds of neighbours differ little, and half of the samples would go to
-// lights that face away. None counts as nothing. One light costs O(log n), and the choice is a pure function of the
-// point and the random number.
+// first choice a share goes by cosines alone. What stands around the lights of the first choices is known by few rays
+// (lights/light_view.h). A single light may say that its light does not arrive. Cosines are means over a node, where
+// the paper has bounds: bounds of neighbours differ little, and half of the samples would go to lights that face away.
+// None counts as nothing. One light costs O(log n), and the choice is a pure function of the point and the random
+// number.
 #pragma once
 
 #include "base/cancel.h"
@@ -16,6 +17,7 @@
 #include "lights/light_branch.h"
 #include "lights/light_groups.h"
 #include "lights/light_linking.h"
+#include "lights/light_view.h"
 #include "rays/ray.h"
 
 #include <algorithm>
@@ -44,6 +46,15 @@ class LightTree {
   public:
     /// Throws Cancelled soon after `cancel` says so.
     explicit LightTree(const std::vector<LightTreeItem>& items, const CancelToken& cancel = kNeverCancelled);
+
+    /// What a ray from a place meets: its distance, world units, and the unit normal on the ray's side.
+    struct Obstacle {
+        double distance = 0;
+        Vec3d normal;
+    };
+    using Look = std::function<std::optional<Obstacle>(const Vec3d& from, const Vec3d& direction)>;
+    /// Finds out what stands around the lights of the first choices.
+    void look_around(const Look& look, const CancelToken& cancel);
 
     bool empty() const { return nodes_.empty(); }
     /// Of the lights among which the choice of one begins. All zero where none of them arrives.
@@ -120,6 +131,7 @@ class LightTree {
     };
     std::vector<Node> nodes_;
     std::vector<LightBranch> branches_;  ///< the first begins below the root
+    std::vector<LightView> views_;       ///< of nodes that are not seen from everywhere
     std::vector<Place> place_of_item_;
     float radius_ = 0;  ///< of the root
     std::vector<Box3d> bodies_;
@@ -153,8 +165,14 @@ class LightTree {
         }
         for (size_t i = 0; !sets_.empty() && i < branch.count; ++i)
             if (!is_linked(branch.node[i], at.lit_by)) shining[i] = 0.0f;
-        return branch.weights(at, shining, branch.has_bodies ? sides(branch, at) : branch.side);
+        LightBranch::Weights result = branch.weights(at, shining, branch.has_bodies ? sides(branch, at) : branch.side);
+        if (branch.has_views) see(branch, at, result);
+        return result;
     }
+    /// Lessens the weights of nodes whose light does not seem to get to the point.
+    void see(const LightBranch& branch, const LitPoint& at, LightBranch::Weights& weights) const;
+    uint32_t item_below(uint32_t node, double choice) const;
+    LightView view_of(uint32_t node, const Look& look) const;
     /// Those that are seen from the point.
     Float4 sides(const LightBranch& branch, const LitPoint& at) const;
 

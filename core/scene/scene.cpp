@@ -264,6 +264,12 @@ void Scene::commit_lights(const SceneDescription& description, const Settings& s
     Emissions emissions;
     emissions.surface = [this](std::span<const EmitterPoint> points, Color* to) { emit_surfaces(points, to); };
     emissions.even = even;
+    // The sides of what shines itself are known by their normals.
+    emissions.blocks = [this](uint32_t instance, const LocalHit& hit) {
+        const Material& met = material(instance, hit);
+        if (met.volume || met.bounds_medium_alone) return false;
+        return !met.surface || !(met.surface->emits() || met.surface->may_be_transparent());
+    };
     emissions.world = [this](std::span<const WorldDirection> directions, Color* to) { emit_world(directions, to); };
     emissions.lamp = [this](std::span<const LampPoint> points, Color* to) { emit_lamps(points, to); };
     emissions.world_visibility = world_visibility_;

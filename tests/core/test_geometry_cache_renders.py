@@ -133,13 +133,13 @@ def test_mirrored_rays_widen_on_demand(core):
     triangles = np.arange(1200, dtype=np.int32).reshape(-1, 3)
     disco = scene.add_mesh("disco", facets.reshape(-1, 3).astype(np.float32), triangles)
     scene.add_instance("disco", disco, matrix(), chrome)
-    glow = scene.add_material_list([scene.add_material("glow", emission(core))])
+    matte = material(core, scene, ("diffuse", 1.0, 0.8), name="matte")
+    scene.set_world(background(core))
     ball = scene.add_surface("ball", [sphere_spline(core)])
     for x, y in ((-3, 0), (3, 0), (0, 3), (0, -3)):
-        scene.add_instance(f"ball {x} {y}", ball, matrix((x, y, 1)), glow)
+        scene.add_instance(f"ball {x} {y}", ball, matrix((x, y, 1)), matte)
     look_down(scene, 6.0, 0.25)
     narrow, wide = (
-        # Many samples: before the first, lights are built by narrow rays.
         render(core, scene, size=96, samples=16, least_mirrored_spread=spread)
         for spread in (0.0, np.radians(10.0))
     )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from light_support import NORMAL, POSITION, emitter_scene, random_numbers
 from path_scenes import lit_plane, material, render
-from scenes import diffuse, emission, look_down, matrix, quad
+from scenes import CUBE_TRIANGLES, CUBE_VERTICES, diffuse, emission, look_down, matrix, quad
 from test_emitting_surfaces import SHAPES
 from test_lights_sampling import LAMPS, POWER, irradiance, probe_of, tilted
 
@@ -163,6 +163,75 @@ def test_a_limit_on_light_is_that_of_the_sum_of_what_two_lights_give(core):
     limit = 0.2
     light = render(core, plane_with_lamps(core, 3), size=8, samples=1, max_bounces=0, clamp_direct=limit)
     assert light.pass_pixels("combined")[..., 0].max() <= limit * (1 + 1e-5)
+
+
+BESIDE = np.array([6.0, 0, 0.5])
+
+
+def share_of_a_lamp(core, *walls, at=(0, 0, 1), position=BESIDE, normal=(0, 0, 1.0), visibility=127):
+    """How often the lamp at a place is chosen where another like it is as far away on the other side; walls are a shape,
+    its matrix and its material."""
+    scene = core.SceneDescription()
+    look_down(scene)
+    for i, (add, place, kind) in enumerate(walls):
+        made = material(core, scene, (kind, 1.0, 0.8), name=f"wall {i}")
+        scene.add_instance(f"wall {i}", add(scene, f"wall {i}"), place, made, visibility=visibility)
+    for i, place in enumerate((np.array(at), 2 * position - at)):
+        place[2] = at[2]
+        scene.add_lamp(f"lamp {i}", "POINT", matrix(place), (POWER,) * 3)
+    samples = core.LightProbe(scene).sample(position, random_numbers(20000), normal=np.array(normal))
+    return (samples["direction"][:, 0] * np.sign(at[0] - position[0]) > 0).mean()
+
+
+def test_a_lamp_is_chosen_less_where_its_light_is_seen_to_end(core):
+    """Few rays of the lamp tell, about what casts shadows and lets nothing through."""
+
+    def box(scene, name):
+        return scene.add_mesh(name, 0.5 * CUBE_VERTICES, CUBE_TRIANGLES)
+
+    around = matrix((0, 0, 1))
+    assert abs(share_of_a_lamp(core) - 0.5) < 0.02
+    assert share_of_a_lamp(core, (box, around, "diffuse")) < 0.2
+    assert abs(share_of_a_lamp(core, (box, around, "transparent")) - 0.5) < 0.02
+    assert abs(share_of_a_lamp(core, (box, around, "diffuse"), visibility=1) - 0.5) < 0.02
+    assert share_of_a_lamp(core, (box, around, "diffuse"), position=np.array([0.3, 0, 0.9])) > 0.4, "it is within"
+
+
+def test_a_surface_that_is_lit_does_not_seem_to_stand_before_itself(core):
+    """However flat the light arrives, on this side of a wall or the other."""
+
+    def floor(scene, name):
+        return quad(scene, name, 50.0)
+
+    low = np.array([0, 0, 0.1])
+    wall = matrix((3.0, 0, 0)) @ np.array([[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1.0]])
+    ground = (floor, matrix(), "diffuse")
+    at = np.array([6.0, 0, 0])
+    assert abs(share_of_a_lamp(core, ground, at=low, position=at) - 0.5) < 0.02
+    assert share_of_a_lamp(core, ground, (floor, wall, "diffuse"), at=low, position=at) < 0.35
+    before = np.array([2.9, 0, 0])
+    assert abs(share_of_a_lamp(core, (floor, wall, "diffuse"), at=low, position=before, normal=(-1.0, 0, 0)) - 1) < 0.2
+
+
+def test_what_stands_around_lights_changes_no_mean(core):
+    """By its density each sample is worth what the choice made of it."""
+    values = []
+    for kind in ("diffuse", "transparent"):
+        scene = core.SceneDescription()
+        look_down(scene)
+        box = scene.add_mesh("box", 0.5 * CUBE_VERTICES, CUBE_TRIANGLES)
+        scene.add_instance("box", box, matrix((0, 0, 1)), material(core, scene, (kind, 1.0, 0.8)))
+        for i, x in enumerate((0.0, 3.0, 7.0, -5.0, 4.0, -9.0)):
+            scene.add_lamp(f"lamp {i}", "POINT", matrix((x, 0.5 * i * (i > 0), 1)), (POWER,) * 3, radius=0.2)
+        probe = core.LightProbe(scene)
+        samples = probe.sample(BESIDE, random_numbers(100000), normal=NORMAL)
+        values.append(irradiance(samples))
+        _, density = probe.look(BESIDE, samples["direction"][:2000].astype(np.float64), normal=NORMAL)
+        met = density > 0  # by rounding a ray to the rim of a ball may miss it
+        assert met.mean() > 0.98
+        np.testing.assert_allclose(density[met], samples["density"][:2000][met], rtol=1e-3)
+    (first, error), (second, other) = values
+    assert abs(first - second) < 5 * np.hypot(error, other)
 
 
 CUBE = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], np.float32)
