@@ -51,7 +51,7 @@ struct LightBranch {
         Float4 numbers{};
         Float4 cosines{};  ///< these alone; 1 within a node
 
-        /// A share of them by the cosines alone, for as much in all: estimates know nothing of shadows, and a bright
+        /// A share of them by the cosines alone, for as much in all: estimates know little of shadows, and a bright
         /// light that does not arrive would leave few samples to the others.
         Float4 evened() const;
     };
