@@ -140,8 +140,7 @@ def test_mirrored_rays_widen_on_demand(core):
         scene.add_instance(f"ball {x} {y}", ball, matrix((x, y, 1)), matte)
     look_down(scene, 6.0, 0.25)
     narrow, wide = (
-        render(core, scene, size=96, samples=16, least_mirrored_spread=spread)
-        for spread in (0.0, np.radians(10.0))
+        render(core, scene, size=96, samples=16, least_mirrored_spread=spread) for spread in (0.0, np.radians(10.0))
     )
     assert share_of_lookups(wide, "coarse") > share_of_lookups(narrow, "coarse") + 0.2
     means = [session.pass_pixels("combined")[..., :3].mean() for session in (narrow, wide)]

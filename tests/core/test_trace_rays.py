@@ -235,7 +235,8 @@ def test_a_near_eye_makes_finer_facets_than_a_far_one():
     assert near.statistics()["subpatches"] > far.statistics()["subpatches"]
     directions = shapes.random_directions(np.random.default_rng(31), 2000)
     hits = far.closest_hits(np.zeros((2000, 3)), directions)
-    assert np.abs(hits["facet_position"] - hits["position"]).max() < 1e-4  # kCoarsestCachedTolerance; local units are world's
+    # kCoarsestCachedTolerance; local units are world's.
+    assert np.abs(hits["facet_position"] - hits["position"]).max() < 1e-4
 
 
 @pytest.mark.parametrize("coherent", [False, True])

@@ -153,7 +153,8 @@ def _place(exporter: SceneExporter, depsgraph: Any, rows: dict[int, Any]) -> boo
 def _rows_of(exporter: SceneExporter, changes: Changes) -> dict[int, Any] | None:
     """The objects that have moved, by instance; None where more depends on where they are."""
     rows = {}
-    reads_objects = any(name.startswith((PROPERTY_OF, INSTANCER_ATTRIBUTE)) for name in exporter.wanted_attributes)  # as where they are
+    # Attributes are looked up where objects are.
+    reads_objects = any(name.startswith((PROPERTY_OF, INSTANCER_ATTRIBUTE)) for name in exporter.wanted_attributes)
     for pointer, block in changes.moved.items():
         if block.is_instancer or block.instance_type != "NONE" or len(block.particle_systems) > 0:
             return None

@@ -99,7 +99,7 @@ def emission(view: NodeView, weight: Register) -> None:
 
 
 @volume_node("ShaderNodeBsdfPrincipled")
-def principled(view: NodeView, weight: Register) -> None:
+def principled_surface(view: NodeView, weight: Register) -> None:
     """Its emission, where Cycles makes a node of its own of that; of the rest nothing acts inside a body."""
     if not cycles_versions.principled_shines_inside():
         return
