@@ -18,13 +18,6 @@ struct HalfAngle {
     float cosine = 1, sine = 0;
 
     static HalfAngle of_cosine(float cosine) { return {cosine, std::sqrt(std::max(0.0f, 1.0f - cosine * cosine))}; }
-    static HalfAngle of_sine(float sine) { return {std::sqrt(std::max(0.0f, 1.0f - sine * sine)), sine}; }
-    /// The sum of both, at most pi.
-    HalfAngle operator+(const HalfAngle& other) const {
-        const float sum = sine * other.cosine + cosine * other.sine;
-        if (sum < 0.0f) return {-1.0f, 0.0f};
-        return {cosine * other.cosine - sine * other.sine, sum};
-    }
 };
 
 /// The cosine of an angle that is made smaller by another, down to none.
