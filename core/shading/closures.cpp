@@ -34,9 +34,18 @@ float limited(float x, float least, float most) {
 
 void mend_fibre(Lobe& lobe) {
     constexpr float kLeastWidth = 1e-7f, kGreatestWidth = 100.0f, kLeastFibreIndex = 1.001f;
-    lobe.alpha_x = limited(lobe.alpha_x, kLeastWidth, kGreatestWidth);
-    lobe.alpha_y = limited(lobe.alpha_y, kLeastWidth, kGreatestWidth);
-    lobe.roughness = limited(lobe.roughness, kLeastWidth, kGreatestWidth);
+    constexpr float kLeastWidthOfFacets = 1e-3f;  // as Cycles
+    if (lobe.type == LobeType::HairFacets) {
+        constexpr float kLeastRatio = 1e-3f;
+        lobe.alpha_x = limited(lobe.alpha_x, kLeastWidthOfFacets, 1.0f);
+        lobe.roughness = limited(lobe.roughness, kLeastRatio, 1.0f);
+        lobe.softness = limited(lobe.softness, 0.0f, 1.0f);
+        if (!is_finite(lobe.radius)) lobe.radius = Color(0.0f);
+    } else {
+        lobe.alpha_x = limited(lobe.alpha_x, kLeastWidth, kGreatestWidth);
+        lobe.alpha_y = limited(lobe.alpha_y, kLeastWidth, kGreatestWidth);
+        lobe.roughness = limited(lobe.roughness, kLeastWidth, kGreatestWidth);
+    }
     lobe.ior = limited(lobe.ior, kLeastFibreIndex, kLargestIndex);
     lobe.across = limited(lobe.across, -1.0f, 1.0f);
     lobe.tilt = std::isfinite(lobe.tilt) ? lobe.tilt : 0.0f;
@@ -187,7 +196,7 @@ void Closures::take_turned(const Closures& other, const Vec3f& normal) {
 void Closures::widen(float alpha) {
     for (int i = 0; i < count_; ++i) {
         Lobe& lobe = lobes_[i];
-        const bool is_strand = lobe.type == LobeType::HairFibre;
+        const bool is_strand = lobe.type == LobeType::HairFibre || lobe.type == LobeType::HairFacets;
         if (!is_strand && (!has_facets(lobe) || lobe.stays_sharp || is_unbent(lobe))) continue;
         lobe.alpha_x = std::max(lobe.alpha_x, alpha);
         lobe.alpha_y = std::max(lobe.alpha_y, alpha);
@@ -232,7 +241,8 @@ void Closures::join_most_alike(const Lobe& lobe) {
 
 bool Closures::needs_third_number() const {
     return std::any_of(lobes_, lobes_ + count_, [](const Lobe& lobe) {
-        return lobe.type == LobeType::HairFibre || (lobe.type == LobeType::Glass && !is_singular(lobe)) ||
+        return lobe.type == LobeType::HairFibre || lobe.type == LobeType::HairFacets ||
+               (lobe.type == LobeType::Glass && !is_singular(lobe)) ||
                (lobe.type == LobeType::Subsurface && lobe.entry == EntryKind::Either);
     });
 }

@@ -40,7 +40,8 @@ enum class LobeType : uint8_t {
     Clearcoat,
     HairReflection,    ///< Hair BSDF (shading/lobe_fibre.h)
     HairTransmission,  ///< the same
-    HairFibre,         ///< Principled Hair BSDF
+    HairFibre,         ///< Principled Hair BSDF, Chiang's model
+    HairFacets,        ///< the same, Huang's model (shading/lobe_hair_facets.h)
     Subsurface         ///< light that enters, and leaves elsewhere (shading/subsurface.h): never evaluated
 };
 
@@ -77,28 +78,36 @@ struct Lobe {
     bool by_profile = false;  ///< Subsurface: light leaves by a profile of the distance, whose width `radius` is
     bool is_reduced = true;   ///< Subsurface: `radius` is as of a phase function that prefers no direction
     EntryKind entry = EntryKind::Diffuse;
-    Color weight{0, 0, 0};     ///< factor on the lobe's value
-    Color refracted{1, 1, 1};  ///< Glass: a further factor on what it refracts
-    Vec3f normal{0, 0, 1};     ///< unit; faces the viewer
+    Color weight{0, 0, 0};  ///< factor on the lobe's value
+    /// Glass: a further factor on what it refracts; HairFacets: on what it reflects, lets through, and reflects inside.
+    Color refracted{1, 1, 1};
+    Vec3f normal{0, 0, 1};  ///< unit; faces the viewer
     /// For anisotropy, made orthogonal to `normal` by `add`; without, `add` chooses one. Of hair: along the fibre.
     /// Microfibres: towards the viewer.
     Vec3f tangent{0, 0, 0};
     /// Microfacet roughness (already squared), of Subsurface where light enters; both 0: singular. Of hair: how wide it
-    /// scatters along and around the fibre; HairFibre: a variance and a scale. Microfibres: their narrowing and skew.
+    /// scatters along and around the fibre; HairFibre: a variance and a scale; HairFacets: the first, of microfacets.
+    /// Microfibres: their narrowing and skew.
     float alpha_x = 0, alpha_y = 0;
     float ior = 1.5f;  ///< index beyond the surface over that on the viewer's side
     /// Diffuse: Oren-Nayar's sigma, 0..1; PrincipledDiffuse: Disney's roughness; Velvet: its sigma; Toon: the cone's
-    /// angle, 1 a quarter turn; HairFibre: the variance of its primary reflection.
+    /// angle, 1 a quarter turn; HairFibre: the variance of its primary reflection; HairFacets: the shorter axis of its
+    /// cross section over the longer.
     float roughness = 0;
-    float softness = 0;  ///< Toon: of the cone's border, 1 a quarter turn; Subsurface: anisotropy of the phase function
+    /// Toon: of the cone's border, 1 a quarter turn; Subsurface: anisotropy of the phase function; HairFacets: half a
+    /// pixel's width in long half axes.
+    float softness = 0;
     /// Diffuse: of a rough surface that keeps its energy, the albedo, else 0; Schlick, Metal: reflectance at normal
-    /// incidence; Conductor: index of refraction; Subsurface: the surface's albedo; HairFibre: absorption over a
-    /// radius.
+    /// incidence; Conductor: index of refraction; Subsurface: the surface's albedo; HairFibre, HairFacets: absorption
+    /// over a radius.
     Color fresnel_0{0, 0, 0};
-    Color radius{0, 0, 0};  ///< Subsurface: mean free paths, world units; Metal: its dip (shading/fresnel.h);
-                            ///< Conductor: its extinction
-    float across = 0;       ///< HairFibre: sine of the angle around the fibre from the viewer to the point
-    float tilt = 0;         ///< of hair: of the cuticle's scales, radians
+    /// Subsurface: mean free paths, world units; Metal: its dip (shading/fresnel.h); Conductor: its extinction;
+    /// HairFacets: the direction of the longer axis, zero where the cross section is round.
+    Color radius{0, 0, 0};
+    /// HairFibre, HairFacets: sine of the angle around the fibre from the viewer to the point; of a cross section that
+    /// is not round, its offset from the middle in long half axes.
+    float across = 0;
+    float tilt = 0;  ///< of hair: of the cuticle's scales, radians
     /// Dielectric: Reflection is weighted by the reflectance of `ior`, Refraction by the rest; None means the same for
     /// Glass. Schlick: Reflection is coloured, from `fresnel_0` to white along the dielectric curve of `ior`
     /// (shading/fresnel.h), Refraction by the rest. Subsurface with Schlick: darkened at grazing where light enters and

@@ -11,9 +11,6 @@ constexpr float kHalfPi = 0.5f * kPi;
 /// Angle to the fibre's own direction below which nothing is scattered: the distributions by angles have poles there.
 constexpr float kLeastAngle = 1e-3f;
 
-float cosine_of(float sine) {
-    return std::sqrt(std::max(1.0f - sine * sine, 0.0f));
-}
 float limited_asin(float x) {
     return std::asin(std::clamp(x, -1.0f, 1.0f));
 }
@@ -121,20 +118,6 @@ float log_bessel(float x) {
     return x + 0.5f * (1.0f / (8.0f * x) - std::log(2.0f * kPi) - std::log(x));
 }
 
-struct SineCosine {
-    float sine, cosine;
-};
-
-/// Longitudinal scattering of variance `v` (d'Eon et al. 2011, equation 7).
-float longitudinal(const SineCosine& in, const SineCosine& out, float v) {
-    const float cosines = in.cosine * out.cosine / v, sines = in.sine * out.sine / v;
-    if (v <= 0.1f) {
-        constexpr float kLog2 = 0.69314718f;
-        return std::exp(log_bessel(cosines) - sines - 1.0f / v + kLog2 + std::log(0.5f / v));
-    }
-    return std::exp(-sines + log_bessel(cosines)) / (std::sinh(1.0f / v) * 2.0f * v);
-}
-
 /// A fibre as the viewer sees it, and the attenuation along each of the four paths through it.
 struct Fibre {
     Vec3f x, y, z;  ///< x along the fibre, z towards the viewer, turned away
@@ -210,7 +193,7 @@ LobeValue evaluate_fibre(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& i
     const TrimmedLogistic around(lobe.alpha_y);
     LobeValue sum;
     for (int path = 0; path < kPaths; ++path) {
-        const float along = longitudinal(tilted(in, lobe.tilt, path), fibre.out, variance_of(lobe, path));
+        const float along = longitudinal_density(tilted(in, lobe.tilt, path), fibre.out, variance_of(lobe, path));
         const float density = along * (path < 3 ? around.density(wrapped(turn - fibre.deviation(path))) : 0.5f / kPi);
         const auto i = static_cast<size_t>(path);
         sum.numbers += LobeValue(fibre.attenuation[i] * density, fibre.share[i] * density).numbers;
@@ -225,17 +208,12 @@ std::optional<LobeDirection> sample_fibre(const Lobe& lobe, const Vec3f& outgoin
     float rest = random.x;
     while (path + 1 < kPaths && rest >= fibre.share[static_cast<size_t>(path)])
         rest -= fibre.share[static_cast<size_t>(path++)];
-    constexpr float kLeast = 1e-5f, kMost = 1.0f - 6e-8f;
+    constexpr float kMost = 1.0f - 6e-8f;
     const float share = fibre.share[static_cast<size_t>(path)];
     const float around = share > 0.0f ? std::min(rest / share, kMost) : 0.5f;
-    const float u = std::max(random.z, kLeast);
     // Of the residual the paths inside are sampled like one reflection (as it is evaluated).
     const float v = path == 0 ? lobe.roughness : variance_of(lobe, path);
-    const float mean = 1.0f + v * std::log(u + (1.0f - u) * std::exp(-2.0f / v));
-    SineCosine in{-mean * fibre.out.sine + cosine_of(mean) * std::cos(2.0f * kPi * random.y) * fibre.out.cosine, 0.0f};
-    in.sine = std::clamp(in.sine, -1.0f, 1.0f);
-    in.cosine = cosine_of(in.sine);
-    in = tilted(in, -lobe.tilt, path);
+    const SineCosine in = tilted(longitudinal_sample(fibre.out, v, random.z, random.y), -lobe.tilt, path);
     const float turn = fibre.turn_out + (path < 3 ? fibre.deviation(path) + TrimmedLogistic(lobe.alpha_y).sample(around)
                                                   : 2.0f * kPi * around);
     LobeDirection result{
@@ -250,6 +228,24 @@ float roughness_factor(float radial_roughness) {
 }
 
 }  // namespace
+
+float longitudinal_density(const SineCosine& in, const SineCosine& out, float v) {
+    const float cosines = in.cosine * out.cosine / v, sines = in.sine * out.sine / v;
+    if (v <= 0.1f) {
+        constexpr float kLog2 = 0.69314718f;
+        return std::exp(log_bessel(cosines) - sines - 1.0f / v + kLog2 + std::log(0.5f / v));
+    }
+    return std::exp(-sines + log_bessel(cosines)) / (std::sinh(1.0f / v) * 2.0f * v);
+}
+
+SineCosine longitudinal_sample(const SineCosine& in, float v, float u, float turn) {
+    constexpr float kLeast = 1e-5f;
+    const float share = std::max(u, kLeast);
+    const float mean = 1.0f + v * std::log(share + (1.0f - share) * std::exp(-2.0f / v));
+    const float sine =
+        std::clamp(-mean * in.sine + cosine_of(mean) * std::cos(2.0f * kPi * turn) * in.cosine, -1.0f, 1.0f);
+    return {sine, cosine_of(sine)};
+}
 
 LobeValue evaluate_fibre_lobe(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming, Side side) {
     if (lobe.type == LobeType::HairFibre) return evaluate_fibre(lobe, outgoing, incoming);

@@ -18,6 +18,19 @@ Color fibre_albedo(const Lobe& lobe);
 
 /// Sine of the angle around the fibre between the viewer and `normal`, -1..1; `along` is the fibre's unit direction.
 float fibre_offset(const Vec3f& along, const Vec3f& outgoing, const Vec3f& normal);
+/// Of an angle within a quarter turn.
+inline float cosine_of(float sine) {
+    return std::sqrt(std::max(1.0f - sine * sine, 0.0f));
+}
+/// Sine and cosine of an angle to the plane across a fibre.
+struct SineCosine {
+    float sine, cosine;
+};
+/// Longitudinal scattering of variance `v` (d'Eon et al. 2011, equation 7): density over `out`'s sine.
+float longitudinal_density(const SineCosine& in, const SineCosine& out, float v);
+/// A sample of it by two numbers in [0,1).
+SineCosine longitudinal_sample(const SineCosine& in, float v, float u, float turn);
+
 /// Absorption over a radius that makes many fibres look like `color` (section 4.2 of the paper).
 Color absorption_of_color(const Color& color, float radial_roughness);
 /// The same of melanin, 0..1, of which the share `redness` is pheomelanin.

@@ -2,6 +2,7 @@
 
 #include "shading/lobe_diffuse.h"
 #include "shading/lobe_fibre.h"
+#include "shading/lobe_hair_facets.h"
 #include "shading/lobe_microfacet.h"
 #include "shading/lobe_microfibres.h"
 #include "shading/lobe_toon.h"
@@ -47,6 +48,8 @@ LobeValue evaluate_lobe(const Lobe& lobe, const LobeView& view, const DirectionP
         case LobeType::HairTransmission:
         case LobeType::HairFibre:
             return evaluate_fibre_lobe(lobe, pair.outgoing, pair.incoming, pair.side);
+        case LobeType::HairFacets:
+            return evaluate_hair_facets(lobe, pair.outgoing, pair.incoming);
         case LobeType::Microfibres:
             return evaluate_microfibres(lobe, pair.incoming, pair.side);
         case LobeType::Subsurface:
@@ -73,6 +76,8 @@ std::optional<LobeDirection> sample_lobe(const Lobe& lobe, const LobeView& view,
         case LobeType::HairTransmission:
         case LobeType::HairFibre:
             return sample_fibre_lobe(lobe, outgoing, random);
+        case LobeType::HairFacets:
+            return sample_hair_facets(lobe, outgoing, random);
         case LobeType::Microfibres:
             return sample_microfibres(lobe, random);
         case LobeType::Subsurface:
@@ -167,6 +172,7 @@ Color lobe_albedo(const Lobe& lobe, const Vec3f& outgoing, LobeKind kind) {
     }
     if (lobe.kind != kind) return Color(0.0f);
     if (lobe.type == LobeType::Subsurface) return lobe.weight;
+    if (lobe.type == LobeType::HairFacets) return hair_facets_albedo(lobe, outgoing);
     if (is_fibre(lobe)) return fibre_albedo(lobe);
     if (lobe.type == LobeType::Refraction) return lobe.weight * transmittance(lobe, cosine);
     return lobe.weight * reflectance(lobe, cosine);

@@ -18,8 +18,15 @@ inline bool is_singular(const Lobe& lobe) {
 }
 inline bool is_fibre(const Lobe& lobe) {
     return lobe.type == LobeType::HairReflection || lobe.type == LobeType::HairTransmission ||
-           lobe.type == LobeType::HairFibre;
+           lobe.type == LobeType::HairFibre || lobe.type == LobeType::HairFacets;
 }
+/// Whether the lobe is sampled by itself: its density is unknown, so that other lobes' samples cannot stand for it, nor
+/// its own for them. Light sampling is weighed against it by a density that is agreed upon.
+inline bool is_alone(const Lobe& lobe) {
+    return lobe.type == LobeType::HairFacets;
+}
+/// That density, per solid angle; as in Cycles.
+inline constexpr float kDensityAlone = 1.0f;
 inline bool refracts(const Lobe& lobe) {
     return lobe.type == LobeType::Refraction || lobe.type == LobeType::Glass;
 }
@@ -85,7 +92,7 @@ struct LobeDirection {
     float eta = 1;                ///< of a refraction: index on the viewer's side over that beyond
     Side side = Side::Reflected;  ///< of a weighed one, by the lobe's normal
     bool weighed = false;
-    bool through = false;  ///< of hair: came out of the fibre, not off it
+    bool through = false;  ///< of hair: came out of the fibre, not off it; not of HairFacets, as in Cycles
 };
 
 /// What is left of light from `incoming` that meets a bump: smoothly down to 0 where the smooth surface is in its own

@@ -183,6 +183,7 @@ std::span<const std::string_view> variants_of(Operation operation) {
         case Operation::hair:
             return kHair;
         case Operation::hair_fibre:
+        case Operation::hair_facets:
             return kHairFibre;
         case Operation::glossy:
         case Operation::refraction:

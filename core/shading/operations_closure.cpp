@@ -1,7 +1,7 @@
 #include "shading/operations_closure.h"
 
-#include "shading/lobe_fibre.h"
 #include "shading/microfibres.h"
+#include "shading/operations_hair.h"
 #include "shading/operations_input.h"
 #include "shading/operations_math.h"
 #include "shading/operations_microfacet.h"
@@ -112,59 +112,6 @@ Lobe toon_lobe(ToonVariant variant, const Operands& operands, std::span<const in
     lobe.softness = operands.scalar(3);
     lobe.in_front = !ints.empty() && ints[0] != 0;
     lobe.normal = matte_normal(operands, 4, inputs, clearing);
-    return lobe;
-}
-
-/// Of hair; as Cycles.
-constexpr float kLeastFibreRoughness = 0.001f;
-
-Lobe hair_lobe(HairVariant variant, const Operands& operands, const ShadingInputs& inputs) {
-    const bool reflects = variant == HairVariant::REFLECTION;
-    Lobe lobe;
-    lobe.type = reflects ? LobeType::HairReflection : LobeType::HairTransmission;
-    lobe.kind = reflects ? LobeKind::Glossy : LobeKind::Transmission;
-    lobe.weight = weight_of(operands) * operands.vector(1);
-    lobe.normal = facing_normal(inputs);
-    lobe.tilt = -operands.scalar(2);
-    lobe.alpha_x = std::clamp(operands.scalar(3), kLeastFibreRoughness, 1.0f);
-    lobe.alpha_y = std::clamp(operands.scalar(4), kLeastFibreRoughness, 1.0f);
-    const bool is_strand = inputs.point->shape != nullptr && inputs.point->shape->kind() == ShapeKind::Strands;
-    if (operands.connected(5)) {
-        lobe.tangent = operands.vector(5);
-    } else {  // on other surfaces hair lies along V
-        lobe.tangent = is_strand ? inputs.point->dp_du : inputs.point->dp_dv;
-        if (!is_strand) lobe.tilt = 0.0f;
-    }
-    return lobe;
-}
-
-Color fibre_absorption(HairColoring coloring, const Operands& operands, float color_factor, float radial) {
-    if (coloring == HairColoring::ABSORPTION) return operands.vector(1);
-    if (coloring == HairColoring::COLOR) return absorption_of_color(operands.vector(1), radial);
-    return absorption_of_melanin(operands.scalar(2) * color_factor, operands.scalar(3)) +
-           absorption_of_color(operands.vector(4), radial);
-}
-
-Lobe hair_fibre_lobe(HairColoring coloring, const Operands& operands, const ShadingInputs& inputs) {
-    const auto limited = [](float roughness) { return std::clamp(roughness, kLeastFibreRoughness, 1.0f); };
-    const float deviation = 2.0f * (operands.scalar(10) - 0.5f);  // of the strand's random number, -1..1
-    const float color_factor = 1.0f + deviation * saturate(operands.scalar(11));
-    const float roughness_factor = 1.0f + deviation * operands.scalar(12);
-    const float roughness = limited(operands.scalar(5) * roughness_factor);
-    const float radial = operands.scalar(6) * roughness_factor;
-    Lobe lobe;
-    lobe.type = LobeType::HairFibre;
-    lobe.kind = LobeKind::Glossy;
-    lobe.weight = weight_of(operands);
-    lobe.normal = facing_normal(inputs);
-    lobe.tangent = normalized_or(inputs.point->dp_du, Vec3f(0, 0, 1));
-    lobe.across = fibre_offset(lobe.tangent, inputs.outgoing, lobe.normal);
-    lobe.alpha_x = longitudinal_variance(roughness);
-    lobe.alpha_y = azimuthal_scale(limited(radial));
-    lobe.roughness = longitudinal_variance(limited(roughness * (1.0f - saturate(operands.scalar(7)))));
-    lobe.ior = operands.scalar(8);
-    lobe.tilt = operands.scalar(9);
-    lobe.fresnel_0 = fibre_absorption(coloring, operands, color_factor, radial);
     return lobe;
 }
 
@@ -347,10 +294,9 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
             closures.transparency += weight * operands.vector(1);
             return;
         case Operation::hair:
-            closures.add(hair_lobe(static_cast<HairVariant>(variant), operands, inputs));
-            return;
         case Operation::hair_fibre:
-            closures.add(hair_fibre_lobe(static_cast<HairColoring>(variant), operands, inputs));
+        case Operation::hair_facets:
+            add_hair(operation, variant, operands, inputs, closures);
             return;
         case Operation::subsurface:
             add_subsurface(subsurface_parameters(operands, ints, inputs, clearing), closures);

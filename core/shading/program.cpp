@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "shading/even_closures.h"
 #include "shading/ies.h"
+#include "shading/operations_hair.h"
 #include "shading/operations_surroundings.h"
 #include "shading/variants.h"
 
@@ -250,6 +251,7 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
             reads_element_ |= operands.size() < 6 || operands[5] < 0;
             break;
         case Operation::hair_fibre:
+        case Operation::hair_facets:
             reads_element_ = true;
             break;
         case Operation::principled:
@@ -269,6 +271,9 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
             return;
         case Operation::transparent:
             transparent_ |= !surely(0, 0.0f) && !surely(1, 0.0f);
+            return;
+        case Operation::hair_facets:  // beside a cross section that is not round
+            transparent_ |= !surely(0, 0.0f) && !surely(kRatioOfHairAxes, 1.0f);
             return;
         case Operation::holdout:
             return;

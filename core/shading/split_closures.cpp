@@ -25,6 +25,7 @@ bool is_hemispherical(const Lobe& lobe) {
         case LobeType::HairReflection:
         case LobeType::HairTransmission:
         case LobeType::HairFibre:
+        case LobeType::HairFacets:
             return false;
         default:
             return true;

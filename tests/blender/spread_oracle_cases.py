@@ -76,8 +76,32 @@ def hair_cases():
         found.append(Case(node, {"parametrization": "MELANIN"}, more))
     absorbed = {"Absorption Coefficient": (0.1, 0.5, 2.0)}
     found.append(Case(node, {"parametrization": "ABSORPTION"}, absorbed))
+    if bpy.app.version >= (4, 0, 0):
+        found += _hair_of_facets(node, {"parametrization": "COLOR", "model": "HUANG"}, color)
     names = ("Is Strand", "Intercept", "Length", "Thickness", "Tangent Normal", "Random")
     return found + [Case("ShaderNodeHairInfo", output=name) for name in names]
+
+
+def _hair_of_facets(node, settings, color):
+    """Huang's model: round, and of strands that have no normal of their own, elliptical."""
+    found = [
+        Case(node, settings, {**color, "Aspect Ratio": 1.0, **more})
+        for more in (
+            {},
+            {"Roughness": 0.1},
+            {"Roughness": 0.8},
+            {"IOR": 1.2},
+            {"Offset": 0.3},
+            {"Random Roughness": 0.9, "Random": 0.3},
+            {"R lobe": 0.0},
+            {"TT lobe": 0.0},
+            {"TRT lobe": 0.0},
+            {"Color": (0.95, 0.9, 0.8, 1)},
+        )
+    ]
+    found += [Case(node, settings, {**color, "Aspect Ratio": ratio}) for ratio in (0.85, 0.5, 2.0)]
+    melanin = {"Aspect Ratio": 1.0, "Melanin": 0.3, "Melanin Redness": 0.5}
+    return [*found, Case(node, {**settings, "parametrization": "MELANIN"}, melanin)]
 
 
 def _distributions(node):

@@ -53,7 +53,11 @@ def changes_of(kind):
 VARIANTS = {
     "ShaderNodeBsdfPrincipled": ["node.inputs[scenes.SUBSURFACE].default_value = 0.5"],
     "ShaderNodeTexSky": ["node.sky_type = 'PREETHAM'", "node.altitude = 500.0"],
-    "ShaderNodeBsdfHairPrincipled": ["node.parametrization = 'MELANIN'", "node.parametrization = 'ABSORPTION'"],
+    "ShaderNodeBsdfHairPrincipled": [
+        "node.parametrization = 'MELANIN'",
+        "node.parametrization = 'ABSORPTION'",
+        *(["node.model = 'HUANG'"] if "model" in bpy.types.ShaderNodeBsdfHairPrincipled.bl_rna.properties else []),
+    ],
 }
 
 def has(kind, name):
@@ -77,13 +81,11 @@ def unnoticed(kind):
 kinds = supported_kinds()
 """
 
-_OF_HUANG = ("Aspect Ratio", "R lobe", "TT lobe", "TRT lobe")
 _DISPERSION = "Transmission Dispersion"
 # What counts only together with something that is named when it is set.
 WITH_NAMED = {
     ("ShaderNodeTexSky", "ground_albedo"): ("sky_type", "HOSEK_WILKIE"),
     # Since 4.0 and later:
-    **{("ShaderNodeBsdfHairPrincipled", f"input {name}"): ("model", "HUANG") for name in _OF_HUANG},
     ("ShaderNodeBsdfPrincipled", f"input {_DISPERSION} Abbe Number"): (f"input {_DISPERSION} Scale", "other"),
     **{("ShaderNodeBsdfGlass", f"input {name}"): ("input Anisotropy", "other") for name in ("Rotation", "Tangent")},
 }

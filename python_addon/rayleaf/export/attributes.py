@@ -20,6 +20,7 @@ ACTIVE_COLOR = "\nactive color"
 # What strands tell of themselves, as attributes: the core's name -> ours.
 STRAND_INFO = {name: "\nstrand " + name.lower() for name in ("IS_STRAND", "INTERCEPT", "LENGTH", "THICKNESS")}
 STRAND_RANDOM = "\nstrand random"
+STRAND_NORMAL = "\nstrand normal"  # across hair curves, object space: an axis of a cross section that is not round
 
 # Blender's kinds of attribute: how their values are read (property, NumPy type, channels).
 _KINDS: dict[str, tuple[str, Any, int]] = {

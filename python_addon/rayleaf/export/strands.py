@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..names import find, name_of
-from .attributes import ACTIVE_COLOR, ACTIVE_UV, STRAND_INFO, STRAND_RANDOM
+from .attributes import ACTIVE_COLOR, ACTIVE_UV, STRAND_INFO, STRAND_NORMAL, STRAND_RANDOM
 from .attributes import active_color, active_uv, flat_values, for_shading
 from .curve_bases import CURVE_TYPES, hair_as_bezier
 from .random_numbers import random_of_index
@@ -224,6 +224,11 @@ def curves_strands(core: ModuleType, data: Any, wanted: frozenset[str]) -> Stran
 
 def _take_attribute(arrays: StrandArrays, data: Any, name: str) -> None:
     """The first pair of numbers per curve stands for the UV map at the root, as in Blender's own engine."""
+    if name == STRAND_NORMAL:
+        normals = np.empty(len(data.points) * 3, np.float32)
+        data.normals.foreach_get("vector", normals)
+        arrays.point_attributes[name] = normals.reshape(-1, 3)
+        return
     if name == ACTIVE_UV:
         pairs = [name_of(item) for item in data.attributes if item.data_type == "FLOAT2" and item.domain == "CURVE"]
         values = flat_values(data.attributes, pairs[0], "CURVE") if pairs else None

@@ -1,7 +1,7 @@
 """Shader nodes of light that goes through what it meets: hair, and bodies below their surface."""
 
 from ... import cycles_versions
-from ..attributes import STRAND_INFO, STRAND_RANDOM
+from ..attributes import STRAND_INFO, STRAND_NORMAL, STRAND_RANDOM
 from .closures import may_be_other_than
 from .compiler import NodeView, closure_node
 from .emitter import UNCONNECTED, Register
@@ -58,11 +58,8 @@ def hair(view: NodeView, weight: Register) -> None:
 
 @closure_node("ShaderNodeBsdfHairPrincipled")
 def principled_hair(view: NodeView, weight: Register) -> None:
-    """Principled Hair BSDF: Chiang's model."""
-    node, emitter = view.node, view.emitter
-    if getattr(node, "model", "CHIANG") != "CHIANG":
-        view.warn(f"the model {node.model.title()} is rendered as Chiang's")
-    coloring = node.parametrization
+    """Principled Hair BSDF, of Chiang's model or, since Blender 4.0, of Huang's."""
+    emitter, coloring = view.emitter, view.node.parametrization
     color = view.input("Absorption Coefficient" if coloring == "ABSORPTION" else "Color", default=0.0)
     random = view.linked("Random")
     if random == UNCONNECTED:  # the strand's own, where there is one
@@ -71,22 +68,18 @@ def principled_hair(view: NodeView, weight: Register) -> None:
             for name in (STRAND_INFO["IS_STRAND"], STRAND_RANDOM)
         )
         random = emitter.operation("mix", [is_strand, view.input("Random"), own], [1, 0], text="MIX")
-    emitter.operation(
-        "hair_fibre",
-        [
-            weight,
-            color,
-            view.input("Melanin"),
-            view.input("Melanin Redness"),
-            view.input("Tint", default=1.0),
-            view.input("Roughness"),
-            view.input("Radial Roughness"),
-            view.input("Coat"),
-            view.input("IOR", default=1.55),
-            view.input("Offset"),
-            random,
-            view.input("Random Color"),
-            view.input("Random Roughness"),
-        ],
-        text=coloring,
-    )
+    absorbs = [weight, color, view.input("Melanin"), view.input("Melanin Redness"), view.input("Tint", default=1.0)]
+    refracts = [view.input("IOR", default=1.55), view.input("Offset")]
+    varies = [random, view.input("Random Color"), view.input("Random Roughness")]
+    if getattr(view.node, "model", "CHIANG") == "CHIANG":
+        rough = [view.input("Roughness"), view.input("Radial Roughness"), view.input("Coat")]
+        emitter.operation("hair_fibre", [*absorbs, *rough, *refracts, *varies], text=coloring)
+        return
+    ratio = view.input("Aspect Ratio", default=1.0)
+    factors = [view.input(name, default=1.0) for name in ("Reflection", "Transmission", "Secondary Reflection")]
+    axis = UNCONNECTED
+    if may_be_other_than(view, ratio, 1.0):
+        axis = emitter.operation("attribute", ints=[view.resources.attribute(STRAND_NORMAL)])
+    thickness = emitter.operation("attribute", ints=[view.resources.attribute(STRAND_INFO["THICKNESS"])])
+    operands = [*absorbs, view.input("Roughness"), *refracts, *varies, ratio, *factors, axis, thickness]
+    emitter.operation("hair_facets", operands, text=coloring)
