@@ -1,6 +1,7 @@
 #include "shading/voronoi.h"
 
 #include "shading/lattice_hash.h"
+#include "shading/voronoi_cells.h"
 
 #include <limits>
 
@@ -35,40 +36,15 @@ float length(const LatticePoint<N>& v) {
     return std::sqrt(dot<N>(v, v));
 }
 
-// Where in its cube the point of a cell lies, each coordinate 0..1. The rules are Blender's.
-LatticePoint<1> chance(const LatticePoint<1>& c) {
-    return {unit_hash(c[0])};
-}
-LatticePoint<2> chance(const LatticePoint<2>& c) {
-    return {unit_hash(c[0], c[1]), unit_hash(c[0], c[1], 1.0f)};
-}
-LatticePoint<3> chance(const LatticePoint<3>& c) {
-    return {unit_hash(c[0], c[1], c[2]), unit_hash(c[0], c[1], c[2], 1.0f), unit_hash(c[0], c[1], c[2], 2.0f)};
-}
-LatticePoint<4> chance(const LatticePoint<4>& c) {
-    return {unit_hash(c[0], c[1], c[2], c[3]), unit_hash(c[3], c[0], c[1], c[2]), unit_hash(c[2], c[3], c[0], c[1]),
-            unit_hash(c[1], c[2], c[3], c[0])};
-}
-
+// What belongs to a cell besides its point. The rules are Blender's.
 Color color_of(const LatticePoint<1>& c) {
     return {unit_hash(c[0]), unit_hash(c[0], 1.0f), unit_hash(c[0], 2.0f)};
 }
 Color color_of(const LatticePoint<2>& c) {
     return {unit_hash(c[0], c[1]), unit_hash(c[0], c[1], 1.0f), unit_hash(c[0], c[1], 2.0f)};
 }
-Color color_of(const LatticePoint<3>& c) {
-    const LatticePoint<3> p = chance(c);
-    return {p[0], p[1], p[2]};
-}
 Color color_of(const LatticePoint<4>& c) {
     return {unit_hash(c[0], c[1], c[2], c[3]), unit_hash(c[2], c[0], c[3], c[1]), unit_hash(c[3], c[2], c[1], c[0])};
-}
-
-template <int N>
-LatticePoint<N> chance(const LatticePoint<N>& c, VoronoiHash hash) {
-    if constexpr (N > 1)
-        if (hash == VoronoiHash::Pcg) return pcg_hash(c);
-    return chance(c);
 }
 
 template <int N>
@@ -106,37 +82,31 @@ class Cells {
     float distance(const LatticePoint<N>& a, const LatticePoint<N>& b) const;
 
   private:
-    /// Calls a function with the offset of each cell at most `reach` away, the first coordinate fastest.
-    template <typename Function>
-    static void around(int reach, Function function) {
+    /// The cells at most `reach` away, and how far their points are from a place.
+    void find(int reach, const LatticePoint<N>& from, CellDistance distances, VoronoiCells& cells,
+              const LatticePoint<N>& middle = {}) const;
+    static LatticePoint<N> offset_of(const VoronoiCells& cells, size_t i) {
         LatticePoint<N> offset;
-        offset.fill(static_cast<float>(-reach));
-        for (;;) {
-            function(offset);
-            int i = 0;
-            for (; i < N && offset[i] == static_cast<float>(reach); ++i) offset[i] = static_cast<float>(-reach);
-            if (i == N) return;
-            offset[i] += 1.0f;
-        }
+        for (int axis = 0; axis < N; ++axis) offset[axis] = cells.offset(axis, i);
+        return offset;
     }
-    /// The point of a neighbouring cell, from this cell's corner.
-    LatticePoint<N> point_in(const LatticePoint<N>& offset) const {
-        LatticePoint<N> p = chance<N>(plus<N>(cell_, offset), parameters_.hash);
-        for (int i = 0; i < N; ++i) p[i] = offset[i] + p[i] * randomness_;
-        return p;
+    static LatticePoint<N> point_of(const VoronoiCells& cells, size_t i) {
+        LatticePoint<N> point;
+        for (int axis = 0; axis < N; ++axis) point[axis] = cells.point[axis][i];
+        return point;
     }
-    /// How far the point of a neighbouring cell is at least, by the metric: it lies in a cube of `randomness_`.
-    float least_distance(const LatticePoint<N>& offset) const {
-        constexpr float kRounding = 1e-5f;
-        if (parameters_.metric == VoronoiMetric::Minkowski) return 0.0f;  // its exponent may be anything
-        LatticePoint<N> gap;
-        for (int i = 0; i < N; ++i)
-            gap[i] = std::max({offset[i] - local_[i], local_[i] - offset[i] - randomness_, 0.0f});
-        return distance(gap, LatticePoint<N>{}) * (1.0f - kRounding) - kRounding;
+    /// The cell, among those, whose point is nearest to the place that they were found from; the middle one counts if
+    /// that is asked.
+    static size_t nearest_of(const VoronoiCells& cells, bool middle_counts = true);
+    Color color(const VoronoiCells& cells, size_t i) const {
+        if constexpr (N == 3)
+            return {cells.chance[0][i], cells.chance[1][i], cells.chance[2][i]};
+        else
+            return color_of<N>(plus<N>(cell_, offset_of(cells, i)), parameters_.hash);
     }
-    /// The cell whose point is nearest by Euclid's distance.
-    LatticePoint<N> nearest_cell(const LatticePoint<N>& from, const LatticePoint<N>* but) const;
-    VoronoiResult result(float distance, const LatticePoint<N>& offset) const;
+    VoronoiResult result(float distance, const VoronoiCells& cells, size_t i) const {
+        return {distance, color(cells, i), place(point_of(cells, i))};
+    }
     Vec4f place(const LatticePoint<N>& p) const;
 
     const VoronoiParameters& parameters_;
@@ -175,44 +145,53 @@ Vec4f Cells<N>::place(const LatticePoint<N>& p) const {
 }
 
 template <int N>
-VoronoiResult Cells<N>::result(float distance, const LatticePoint<N>& offset) const {
-    return {distance, color_of<N>(plus<N>(cell_, offset), parameters_.hash), place(point_in(offset))};
+void Cells<N>::find(int reach, const LatticePoint<N>& from, CellDistance distances, VoronoiCells& cells,
+                    const LatticePoint<N>& middle) const {
+    cells.dimensions = N;
+    cells.reach = reach;
+    std::copy(cell_.begin(), cell_.end(), cells.cell);
+    std::copy(middle.begin(), middle.end(), cells.middle);
+    std::copy(from.begin(), from.end(), cells.from);
+    cells.randomness = randomness_;
+    cells.hash = parameters_.hash;
+    cells.metric = parameters_.metric;
+    const bool one_by_one = distances == CellDistance::Metric && parameters_.metric == VoronoiMetric::Minkowski;
+    cells.distances = one_by_one ? CellDistance::None : distances;
+    cells.chances = distances == CellDistance::Metric;
+    cells.find();
+    for (size_t i = 0; one_by_one && i < cells.count; ++i) cells.distance[i] = distance(point_of(cells, i), from);
 }
 
 template <int N>
 VoronoiResult Cells<N>::nearest() const {
+    VoronoiCells cells;
+    find(1, local_, CellDistance::Metric, cells);
     float least = kFarthestPoint;
-    LatticePoint<N> found{};
-    // Most cells are farther than the point of the own one; of those as far as each other the first counts.
-    const float own = distance(point_in(found), local_);
-    around(1, [&](const LatticePoint<N>& offset) {
-        if (least_distance(offset) > std::min(least, own)) return;
-        const float d = distance(point_in(offset), local_);
-        if (!(d < least)) return;
-        least = d;
-        found = offset;
-    });
-    return result(least, found);
+    size_t found = cells.count / 2;
+    for (size_t i = 0; i < cells.count; ++i)
+        if (cells.distance[i] < least) least = cells.distance[found = i];
+    return result(least, cells, found);
 }
 
 template <int N>
 VoronoiResult Cells<N>::second_nearest() const {
+    VoronoiCells cells;
+    find(1, local_, CellDistance::Metric, cells);
     float first = kFarthestPoint, second = kFarthestPoint;
-    LatticePoint<N> first_cell{}, second_cell{};
-    around(1, [&](const LatticePoint<N>& offset) {
-        if (least_distance(offset) > second) return;
-        const float d = distance(point_in(offset), local_);
+    size_t first_cell = cells.count / 2, second_cell = first_cell;
+    for (size_t i = 0; i < cells.count; ++i) {
+        const float d = cells.distance[i];
         if (d < first) {
             second = first;
             second_cell = first_cell;
             first = d;
-            first_cell = offset;
+            first_cell = i;
         } else if (d < second) {
             second = d;
-            second_cell = offset;
+            second_cell = i;
         }
-    });
-    return result(second, second_cell);
+    }
+    return result(second, cells, second_cell);
 }
 
 /// The nearest by a minimum that blends: where two distances differ by less than the smoothness, so do their cells. The
@@ -221,66 +200,67 @@ template <int N>
 VoronoiResult Cells<N>::smooth() const {
     const float smoothness = std::clamp(0.5f * parameters_.smoothness, 0.0f, 0.5f);
     if (!(smoothness > 0.0f)) return nearest();
+    VoronoiCells cells;
+    find(2, local_, CellDistance::Metric, cells);
     float least = kFarthestPoint;
-    Color color(0.0f);
+    Color color_sum(0.0f);
     LatticePoint<N> point{};
-    around(2, [&](const LatticePoint<N>& offset) {
-        const LatticePoint<N> candidate = point_in(offset);
-        const float d = distance(candidate, local_);
+    for (size_t i = 0; i < cells.count; ++i) {
+        const float d = cells.distance[i];
         const float x = std::clamp(0.5f + 0.5f * (least - d) / smoothness, 0.0f, 1.0f);
+        if (x == 0.0f) continue;
         const float share = x * x * (3.0f - 2.0f * x);
         float sunk = smoothness * share * (1.0f - share);
         const auto mixed = [&](float a, float b) { return a + (b - a) * share - sunk; };
         least = mixed(least, d);
         sunk /= 1.0f + 3.0f * smoothness;
-        const Color other = color_of<N>(plus<N>(cell_, offset), parameters_.hash);
-        color = {mixed(color.x, other.x), mixed(color.y, other.y), mixed(color.z, other.z)};
-        point = each<N>(point, candidate, mixed);
-    });
-    return {least, color, place(point)};
+        const Color other = color(cells, i);
+        color_sum = {mixed(color_sum.x, other.x), mixed(color_sum.y, other.y), mixed(color_sum.z, other.z)};
+        point = each<N>(point, point_of(cells, i), mixed);
+    }
+    return {least, color_sum, place(point)};
 }
 
 template <int N>
-LatticePoint<N> Cells<N>::nearest_cell(const LatticePoint<N>& from, const LatticePoint<N>* but) const {
+size_t Cells<N>::nearest_of(const VoronoiCells& cells, bool middle_counts) {
     float least = std::numeric_limits<float>::max();
-    LatticePoint<N> found{};
-    around(1, [&](const LatticePoint<N>& step) {
-        const LatticePoint<N> offset = but != nullptr ? plus<N>(*but, step) : step;
-        if (but != nullptr && offset == *but) return;
-        const LatticePoint<N> away = minus<N>(point_in(offset), from);
-        const float d = dot<N>(away, away);
-        if (!(d < least)) return;
-        least = d;
-        found = offset;
-    });
+    size_t found = cells.count / 2;
+    for (size_t i = 0; i < cells.count; ++i) {
+        if (!middle_counts && i == cells.count / 2) continue;
+        if (cells.distance[i] < least) least = cells.distance[found = i];
+    }
     return found;
-}
-
-template <>
-float Cells<1>::distance_to_edge() const {
-    const float middle = point_in({0.0f})[0], left = point_in({-1.0f})[0], right = point_in({1.0f})[0];
-    return std::min(std::abs(0.5f * (middle + left) - local_[0]), std::abs(0.5f * (middle + right) - local_[0]));
 }
 
 /// To the nearest plane halfway between the nearest point and another.
 template <int N>
 float Cells<N>::distance_to_edge() const {
     constexpr float kSamePoint = 1e-4f;  // squared: the point itself
-    const LatticePoint<N> to_nearest = minus<N>(point_in(nearest_cell(local_, nullptr)), local_);
+    VoronoiCells cells;
+    find(1, local_, CellDistance::Squared, cells);
+    if constexpr (N == 1) {
+        const auto& x = cells.point[0];
+        return std::min(std::abs(0.5f * (x[1] + x[0]) - local_[0]), std::abs(0.5f * (x[1] + x[2]) - local_[0]));
+    }
+    const LatticePoint<N> to_nearest = minus<N>(point_of(cells, nearest_of(cells)), local_);
     float least = kFarthestPoint;
-    around(1, [&](const LatticePoint<N>& offset) {
-        const LatticePoint<N> to_other = minus<N>(point_in(offset), local_), between = minus<N>(to_other, to_nearest);
-        if (dot<N>(between, between) <= kSamePoint) return;
+    for (size_t i = 0; i < cells.count; ++i) {
+        const LatticePoint<N> to_other = minus<N>(point_of(cells, i), local_), between = minus<N>(to_other, to_nearest);
+        if (dot<N>(between, between) <= kSamePoint) continue;
         least = std::min(least, 0.5f * dot<N>(plus<N>(to_nearest, to_other), between) / length<N>(between));
-    });
+    }
     return least;
 }
 
 /// Half the way from the nearest point to the point nearest to that.
 template <int N>
 float Cells<N>::sphere_radius() const {
-    const LatticePoint<N> cell = nearest_cell(local_, nullptr), center = point_in(cell);
-    return 0.5f * length<N>(minus<N>(point_in(nearest_cell(center, &cell)), center));
+    VoronoiCells cells;
+    find(1, local_, CellDistance::Squared, cells);
+    const size_t nearest = nearest_of(cells);
+    const LatticePoint<N> middle = offset_of(cells, nearest), center = point_of(cells, nearest);
+    find(1, center, CellDistance::Squared, cells, middle);
+    return 0.5f * length<N>(minus<N>(point_of(cells, nearest_of(cells, false)), center));
 }
 
 template <int N>
@@ -366,13 +346,14 @@ VoronoiResult texture(const LatticePoint<N>& p, const VoronoiParameters& paramet
     const bool single = detail == 0.0f || !(roughness > 0.0f);
     if (single && !parameters.normalize) return octave<N>(p, parameters);
     VoronoiOctaves octaves(parameters.feature, parameters.normalize ? largest_distance<N>(parameters) : 1.0f);
-    float scale = 1.0f, amplitude = 1.0f;
-    for (float rest = single ? 1.0f : 1.0f + detail; rest > 0.0f; rest -= 1.0f) {
+    float scale = 1.0f, amplitude = 1.0f, rest = single ? 1.0f : 1.0f + detail;
+    while (rest > 0.0f) {
         LatticePoint<N> scaled = p;
         for (float& x : scaled) x *= scale;
         octaves.add(octave<N>(scaled, parameters), scale, amplitude, std::min(rest, 1.0f));
         scale *= parameters.lacunarity;
         amplitude *= roughness;
+        rest -= 1.0f;
     }
     return parameters.normalize ? octaves.normalized() : octaves.sum();
 }

@@ -1,5 +1,7 @@
 """A program that runs for many points at once finds the bits that it finds point by point."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from rayleaf import _core
@@ -179,3 +181,68 @@ def test_rows_of_points_have_the_bits_of_constants():
         constants = rows_of(folded, folded.constant(*map(float, place), 1.0))
         for row, register in zip(rows, constants, strict=True):
             np.testing.assert_array_equal(row[i], points.values(folded, register)[0], err_msg=f"{register} at {place}")
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 3, 4])
+@pytest.mark.parametrize("hashed", [0, 1])
+def test_cells_have_the_same_bits_on_all_instruction_sets(any_target, dimensions, hashed):
+    """Of each feature and metric."""
+
+    def found():
+        result = []
+        for feature, metric in product(("F1", "F2", "SMOOTH_F1", "DISTANCE_TO_EDGE", "N_SPHERE_RADIUS"), range(4)):
+            program = _core.Program("Cells")
+            position = program.operation("position")
+            numbers = [component(program, position, 0), *(program.constant(x, x, x, x) for x in (1.7, 0.6, 1.5, 0.8))]
+            ints = [dimensions, metric, 0, 0, hashed]
+            cells = program.operation("voronoi", [position, *numbers], ints, text=feature)
+            result.append(scattered_points(dimensions, 99).values(program, cells))
+        return np.concatenate(result)
+
+    each = []
+    for target in _core.trace.simd_targets():
+        assert _core.trace.use_simd_target(target)
+        each.append(found())
+    assert len(np.unique(each[0])) > 300
+    for other in each[1:]:
+        np.testing.assert_array_equal(other.view(np.uint32), each[0].view(np.uint32))
+
+
+def unit_hash(*key):
+    """Bob Jenkins' lookup3 of the bits of three or four numbers, over its largest."""
+    words = np.float32(key).view(np.uint32).tolist()
+    v = [(0xDEADBEEF + 4 * len(words) + 13 + word) & 0xFFFFFFFF for word in words[:3]]
+
+    def turned(x, turn):
+        return (x << turn | x >> (32 - turn)) & 0xFFFFFFFF
+
+    if len(words) == 4:
+        for i, turn in enumerate((4, 6, 8, 16, 19, 4)):
+            x, y, z = i % 3, (i + 1) % 3, (i + 2) % 3
+            v[x] = ((v[x] - v[z]) & 0xFFFFFFFF) ^ turned(v[z], turn)
+            v[z] = (v[z] + v[y]) & 0xFFFFFFFF
+        v[0] = (v[0] + words[3]) & 0xFFFFFFFF
+    for i, turn in enumerate((14, 11, 25, 16, 4, 14, 24)):
+        x, y = ((2, 1), (0, 2), (1, 0))[i % 3]
+        v[x] = ((v[x] ^ v[y]) - turned(v[y], turn)) & 0xFFFFFFFF
+    return v[2] / 4294967295.0
+
+
+def test_the_nearest_point_is_that_of_cells_looked_at_one_by_one(target):
+    places = np.random.default_rng(4).uniform(-20, 20, (60, 3)).astype(np.float32)
+    program = _core.Program("Cells")
+    zero, one = (program.constant(x, x, x, x) for x in (0.0, 1.0))
+    operands = [program.operation("position"), zero, one, zero, zero, one]
+    cells = program.operation("voronoi", operands, [3, 0, 0], text="F1")
+    points = program.operation("voronoi", operands, [3, 0, 1], text="F1")
+    up = np.tile(UP, (len(places), 1))
+    at = _core.shading.surface_points(places, up, up)
+    found, nearest = at.values(program, cells), at.values(program, points)
+    for place, result, point in zip(places, found, nearest, strict=True):
+        around = [np.floor(place) + step for step in product((-1, 0, 1), repeat=3)]
+        chances = [[unit_hash(*cell), unit_hash(*cell, 1.0), unit_hash(*cell, 2.0)] for cell in around]
+        distances = [np.linalg.norm(cell + chance - place) for cell, chance in zip(around, chances, strict=True)]
+        best = int(np.argmin(distances))
+        assert result[3] == pytest.approx(distances[best], rel=1e-5, abs=1e-5)
+        np.testing.assert_allclose(result[:3], chances[best], rtol=1e-5)
+        np.testing.assert_allclose(point[:3], around[best] + chances[best], rtol=1e-5, atol=1e-5)
