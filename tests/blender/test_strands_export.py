@@ -67,6 +67,27 @@ report(counts=counts)
     assert run.report["counts"] == [70, 80]
 
 
+def test_children_that_are_cut_end_where_they_are_cut(run_blender):
+    run = run_blender(
+        HAIR
+        + """
+item, settings = hairy(10, 7)
+settings.render_step = 4
+settings.child_length = 0.4
+(sent,) = rendered().strands
+report(sent=told(sent))
+"""
+    )
+    points, radii = (np.array(run.report["sent"][name]) for name in ("points", "radii"))
+    points, radii = points.reshape(70, 17, 3), radii.reshape(70, 17)
+    # Blender says that the points beyond the cut lie at the world's origin, which is far from here.
+    along = np.linalg.norm(np.diff(points, axis=1), axis=2)
+    assert 0.05 < along.sum(axis=1).min() and along.sum(axis=1).max() < 0.2  # of 0.25
+    assert (along[:, -1] == 0.0).all() and np.linalg.norm(points - points[:, :1], axis=2).max() < 0.2
+    assert np.allclose(radii[:, 0], 0.05) and np.all(radii[:, -1] == 0)
+    np.testing.assert_allclose(radii[:, 5], 0.05 - 0.025 * along[:, :5].sum(axis=1) / along.sum(axis=1), atol=2e-3)
+
+
 def test_hair_is_rendered_though_its_emitter_is_not(run_blender):
     run = run_blender(
         HAIR

@@ -122,6 +122,16 @@ def _steps(settings: Any) -> int:
     return (1 << settings.render_step) + 1 + extra
 
 
+def _end_where_cut(points: Doubles) -> None:
+    """Strands (n, steps, 3) that are shorter than others, as children may be cut, have fewer points: Blender gives the world's
+    origin for those that are missing. They become the last one that is there."""
+    missing = np.logical_and.accumulate((points == 0.0).all(axis=2)[:, ::-1], axis=1)[:, ::-1]
+    if missing.any():
+        steps = np.arange(points.shape[1])
+        there = np.minimum(steps, np.maximum(steps[-1] - missing.sum(axis=1), 0)[:, None])
+        points[:] = np.take_along_axis(points, there[:, :, None], axis=1)
+
+
 def particle_strands(
     owner: Any, system: Any, modifier: Any, wanted: frozenset[str], check_cancel: Callable[[], None]
 ) -> StrandArrays | None:
@@ -143,6 +153,7 @@ def particle_strands(
         rows = [place(object=owner, particle_no=i, step=step) for i in range(start, end) for step in range(steps)]
         flat = np.fromiter(chain.from_iterable(rows), np.float64, 3 * len(rows))
         points[start - first : end - first] = flat.reshape(-1, steps, 3)
+    _end_where_cut(points)
     to_object = np.array(owner.matrix_world.inverted_safe(), np.float64)
     points = (points.reshape(-1, 3) @ to_object[:3, :3].T + to_object[:3, 3]).reshape(points.shape)
     pieces = np.linalg.norm(np.diff(points, axis=1), axis=2)
