@@ -36,8 +36,9 @@ void mend_fibre(Lobe& lobe) {
     constexpr float kLeastWidth = 1e-7f, kGreatestWidth = 100.0f, kLeastFibreIndex = 1.001f;
     constexpr float kLeastWidthOfFacets = 1e-3f;  // as Cycles
     if (lobe.type == LobeType::HairFacets) {
-        constexpr float kLeastRatio = 1e-3f;
+        constexpr float kLeastRatio = 1e-3f, kMostOffsets = 64.0f;
         lobe.alpha_x = limited(lobe.alpha_x, kLeastWidthOfFacets, 1.0f);
+        lobe.alpha_y = limited(lobe.alpha_y, 1.0f, kMostOffsets);
         lobe.roughness = limited(lobe.roughness, kLeastRatio, 1.0f);
         lobe.softness = limited(lobe.softness, 0.0f, 1.0f);
         if (!is_finite(lobe.radius)) lobe.radius = Color(0.0f);

@@ -86,8 +86,8 @@ struct Lobe {
     /// Microfibres: towards the viewer.
     Vec3f tangent{0, 0, 0};
     /// Microfacet roughness (already squared), of Subsurface where light enters; both 0: singular. Of hair: how wide it
-    /// scatters along and around the fibre; HairFibre: a variance and a scale; HairFacets: the first, of microfacets.
-    /// Microfibres: their narrowing and skew.
+    /// scatters along and around the fibre; HairFibre: a variance and a scale; HairFacets: the first, of facets; the
+    /// second says of how many offsets a value is the mean, at most. Microfibres: their narrowing and skew.
     float alpha_x = 0, alpha_y = 0;
     float ior = 1.5f;  ///< index beyond the surface over that on the viewer's side
     /// Diffuse: Oren-Nayar's sigma, 0..1; PrincipledDiffuse: Disney's roughness; Velvet: its sigma; Toon: the cone's

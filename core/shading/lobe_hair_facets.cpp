@@ -12,6 +12,11 @@
 namespace rayleaf {
 namespace {
 
+/// Of a plane vector that is no longer than 2.
+float plane_length(float x, float y) {
+    return std::sqrt(x * x + y * y);
+}
+
 /// Numbers in [0, 1), as many as are asked for: a function of what was added.
 class HashedNumbers {
   public:
@@ -71,7 +76,7 @@ class FacetedFibre {
         make_frame(outgoing);
         out = to_local(outgoing);
         across_ = std::sqrt(out.x * out.x + out.z * out.z);
-        reach = across_ > 0.0f ? std::hypot(out.z, ratio_ * out.x) / across_ : 1.0f;
+        reach = across_ > 0.0f ? plane_length(out.z, ratio_ * out.x) / across_ : 1.0f;
         set_offsets();
         const float sine = std::clamp(lobe.tilt, -kMostTilt, kMostTilt);
         tilt_ = {std::sin(sine), std::cos(sine)};
@@ -80,10 +85,10 @@ class FacetedFibre {
     Vec3f to_local(const Vec3f& v) const { return {x_.dot(v), y_.dot(v), z_.dot(v)}; }
     Vec3f to_world(const Vec3f& v) const { return x_ * v.x + y_ * v.y + z_ * v.z; }
 
-    /// As many of these offsets as lie close together beside what the facets spread.
-    int count(int least, int most) const {
+    /// As many of these offsets as lie close together beside what the facets spread; half of `most` or more.
+    int count(int most) const {
         constexpr float kWidth = 0.5f;  // in roughness
-        return std::clamp(static_cast<int>((high - low) / (kWidth * lobe_.alpha_x)), least, most);
+        return std::clamp(static_cast<int>((high - low) / (kWidth * lobe_.alpha_x)), (most + 1) / 2, most);
     }
     /// Where a ray from `out` meets the fibre, by the share of the way from `low` to `high`; on the unit circle that
     /// the cross section is stretched to.
@@ -100,8 +105,8 @@ class FacetedFibre {
         const Vec2f along = stretched(direction);
         const float t = -2.0f * (at.x * along.x + at.y * along.y);
         const Vec2f to{at.x + t * along.x, at.y + t * along.y};
-        const float flat = std::hypot(direction.x, direction.z);
-        length = std::hypot(to.x - at.x, ratio_ * (to.y - at.y)) / std::max(flat, kLeastSine);
+        const float flat = plane_length(direction.x, direction.z);
+        length = plane_length(to.x - at.x, ratio_ * (to.y - at.y)) / std::max(flat, kLeastSine);
         return to;
     }
     Surface surface_at(const Vec2f& at) const {
@@ -190,7 +195,7 @@ class FacetedFibre {
     }
     /// The unit direction in the cross section's plane, where that has been stretched to a circle.
     Vec2f stretched(const Vec3f& v) const {
-        const float x = ratio_ * v.x, length = std::hypot(x, v.z);
+        const float x = ratio_ * v.x, length = plane_length(x, v.z);
         return length > 0.0f ? Vec2f(x / length, v.z / length) : Vec2f(0.0f, 1.0f);
     }
     float gain(float cosine, float ior) const {
@@ -269,8 +274,7 @@ namespace {
 
 /// What is reflected where it arrives: at few offsets, by no facets but those half way between both directions.
 float mean_reflected(const FacetedFibre& fibre, const Vec3f& in, HashedNumbers& numbers) {
-    constexpr int kMost = 32;
-    const int count = fibre.count(1, kMost);
+    const int count = fibre.low == fibre.high ? 1 : 2 * fibre.count(static_cast<int>(fibre.lobe().alpha_y));
     const Vec3f half = normalized_or(fibre.out + in, Vec3f(0.0f));
     const float offset = numbers.next();
     float sum = 0.0f;
@@ -284,11 +288,10 @@ float mean_reflected(const FacetedFibre& fibre, const Vec3f& in, HashedNumbers& 
 }  // namespace
 
 LobeValue evaluate_hair_facets(const Lobe& lobe, const Vec3f& outgoing, const Vec3f& incoming) {
-    constexpr int kLeast = 8, kMost = 16;
     const FacetedFibre fibre(lobe, outgoing);
     const Vec3f in = fibre.to_local(incoming);
     HashedNumbers numbers = numbers_of(outgoing, incoming);
-    const int count = fibre.count(kLeast, kMost);
+    const int count = fibre.count(static_cast<int>(lobe.alpha_y));
     const float offset = numbers.next();
     Color sum(0.0f), longer(0.0f);
     for (int i = 0; i < count; ++i) {

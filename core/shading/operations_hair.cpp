@@ -85,6 +85,9 @@ float half_pixel_of_strand(const ShadingInputs& inputs, float thickness, const V
     return thickness > 0.0f ? pixel / thickness : 1.0f;
 }
 
+/// Of how many offsets a value is the mean at most: those of a ray that was scattered count little beside other noise.
+constexpr float kOffsetsForCamera = 16.0f, kOffsets = 4.0f;
+
 /// Adds the lobe; what passes beside the fibre instead, where its cross section is not round.
 void add_hair_facets(HairColoring coloring, const Operands& operands, const ShadingInputs& inputs, Closures& closures) {
     const StrandVariation variation(operands, 8);
@@ -102,6 +105,7 @@ void add_hair_facets(HairColoring coloring, const Operands& operands, const Shad
     lobe.fresnel_0 = fibre_absorption(coloring, operands, variation.color_factor, roughness);
     lobe.refracted = Color(operands.scalar(12), operands.scalar(13), operands.scalar(14));
     if (is_black(lobe.refracted)) return;
+    lobe.alpha_y = inputs.path.camera ? kOffsetsForCamera : kOffsets;
     lobe.softness = half_pixel_of_strand(inputs, operands.scalar(16), lobe.tangent);
     lobe.roughness = 1.0f;
     const float ratio = operands.scalar(kRatioOfHairAxes);
