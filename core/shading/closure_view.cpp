@@ -22,25 +22,15 @@ LobeValue evaluate_one(const Closures& closures, int i, const LobeView& view, co
     return result;
 }
 
-/// Value and density of the lobes that are sampled together, but for `without`.
-LobeValue evaluate_joint(const Closures& closures, const ClosureView& view, const Vec3f& incoming, Side side,
-                         int without = -1) {
+/// Value and density of all lobes, or only of those that are sampled together; but for `without`.
+LobeValue evaluate_all(const Closures& closures, const ClosureView& view, const Vec3f& incoming, Side side,
+                       bool together = false, int without = -1) {
     const DirectionPair pair(view.outgoing, incoming, side, view.halves);
     LobeValue sum;
     for (int i = 0; i < closures.size(); ++i)
-        if (i != without && !is_alone(closures[i]))
+        if (i != without && !(together && is_alone(closures[i])))
             sum.numbers += evaluate_one(closures, i, view.lobes[i], pair).numbers *
                            Float4{1.0f, 1.0f, 1.0f, view.lobes[i].probability};
-    return sum;
-}
-
-/// Of all lobes.
-LobeValue evaluate_all(const Closures& closures, const ClosureView& view, const Vec3f& incoming, Side side) {
-    const DirectionPair pair(view.outgoing, incoming, side, view.halves);
-    LobeValue sum;
-    for (int i = 0; i < closures.size(); ++i)
-        sum.numbers += evaluate_one(closures, i, view.lobes[i], pair).numbers *
-                       Float4{1.0f, 1.0f, 1.0f, view.lobes[i].probability};
     return sum;
 }
 
@@ -66,12 +56,12 @@ Scattering scattering(const Closures& closures, const ClosureView& view, int cho
         own *= bump_shadow(closures.bump_shadow, closures.smooth_normal, closures[chosen].normal, by.direction);
     const float alone = density_alone(closures, view);
     if (is_alone(closures[chosen])) {
-        const LobeValue others = evaluate_joint(closures, view, by.direction, side);
+        const LobeValue others = evaluate_all(closures, view, by.direction, side, true);
         return {own * (1.0f / view.lobes[chosen].probability), others.density() + alone};
     }
     const bool counts = by.weighed && by.side == side;
     if (by.weighed && closures.size() == 1) return {own, counts ? by.density : 0.0f};
-    LobeValue all = evaluate_joint(closures, view, by.direction, side, by.weighed ? chosen : -1);
+    LobeValue all = evaluate_all(closures, view, by.direction, side, true, by.weighed ? chosen : -1);
     if (counts) all.numbers += LobeValue(own * by.density, by.density * view.lobes[chosen].probability).numbers;
     return {all.value() * (1.0f / all.density()), all.density() + alone};
 }

@@ -73,11 +73,8 @@ using LatticeWords = std::array<uint32_t, N>;
 /// Each word is mixed with its neighbours. Blender's is that of signed words, so shifts repeat the sign.
 template <size_t N>
 void pcg_mix(LatticeWords<N>& v) {
-    constexpr uint32_t kMultiplier = 1664525u;
-    if constexpr (N == 2) {
-        v[0] += v[1] * kMultiplier;
-        v[1] += v[0] * kMultiplier;
-    } else if constexpr (N == 3) {
+    static_assert(N == 3 || N == 4);
+    if constexpr (N == 3) {
         v[0] += v[1] * v[2];
         v[1] += v[2] * v[0];
         v[2] += v[0] * v[1];

@@ -53,9 +53,6 @@ struct Interface {
     float reflects;  ///< Fresnel's
 };
 
-Vec3f mirrored_by(const Vec3f& w, const Vec3f& normal) {
-    return normal * (2.0f * w.dot(normal)) - w;
-}
 /// Beyond a facet of that index over the one on this side; `w` as `Interface::from`. Zero where all is reflected.
 Vec3f refracted(const Vec3f& w, const Vec3f& normal, float ior) {
     const float c = w.dot(normal), beyond2 = (ior - 1.0f) * (ior + 1.0f) + c * c;
@@ -75,11 +72,11 @@ class FacetedFibre {
         : lobe_(lobe), facets_{MicrofacetDistribution::Ggx, lobe.alpha_x, lobe.alpha_x}, ratio_(lobe.roughness) {
         make_frame(outgoing);
         out = to_local(outgoing);
-        across_ = std::sqrt(out.x * out.x + out.z * out.z);
-        reach = across_ > 0.0f ? plane_length(out.z, ratio_ * out.x) / across_ : 1.0f;
+        const float across = plane_length(out.x, out.z);
+        reach = across > 0.0f ? plane_length(out.z, ratio_ * out.x) / across : 1.0f;
         set_offsets();
-        const float sine = std::clamp(lobe.tilt, -kMostTilt, kMostTilt);
-        tilt_ = {std::sin(sine), std::cos(sine)};
+        const float tilt = std::clamp(lobe.tilt, -kMostTilt, kMostTilt);
+        tilt_ = {std::sin(tilt), std::cos(tilt)};
     }
 
     Vec3f to_local(const Vec3f& v) const { return {x_.dot(v), y_.dot(v), z_.dot(v)}; }
@@ -130,11 +127,7 @@ class FacetedFibre {
         return from.dot(met.facet) > 0.0f;
     }
     /// Share of the facets that see `from` which see `towards` as well, on either side of the surface.
-    float open(const Interface& at, const Vec3f& towards) const {
-        const float cosine = std::abs(at.surface.scale.dot(towards));
-        return Microfacets::shadowing(at.masking, facets_.masking(cosine, facets_.even_spread2(cosine)),
-                                      Masking::Joint);
-    }
+    float open(const Interface& at, const Vec3f& towards) const { return open(at.surface, at.masking, towards); }
 
     /// Density per solid angle times the share that a surface reflects to `towards`, unit; `half` between that and
     /// the viewer.
@@ -172,7 +165,6 @@ class FacetedFibre {
     const Lobe& lobe_;
     Microfacets facets_;
     float ratio_;  ///< of the axes, at most 1
-    float across_;
     SineCosine tilt_;
     Vec3f x_, y_, z_;
 
@@ -237,7 +229,7 @@ struct WayThrough {
         const Color at_second = once * ((1.0f - first.reflects) * first.gain * fibre.open(first, -inside));
         reached[1] = at_second * lobe.refracted.y;
 
-        const Vec3f back = mirrored_by(second.from, second.facet);
+        const Vec3f back = mirrored(second.from, second.facet);
         const Vec2f again = fibre.left_at(across, back, length);
         returns = fibre.meet(fibre.surface_at(again).from_inside(), -back, inside_ior, numbers.next2(), third);
         if (!returns) return;
@@ -252,7 +244,7 @@ struct WayThrough {
     void set_longer(const FacetedFibre& fibre, const Color& at_third, const Color& both) {
         constexpr float kLeastPassed = 1e-5f;
         const float leaves = std::max(1.0f - 0.5f * (second.reflects + third.reflects), kLeastPassed);
-        const float stays = third.reflects * third.gain * fibre.open(third, mirrored_by(third.from, third.facet));
+        const float stays = third.reflects * third.gain * fibre.open(third, mirrored(third.from, third.facet));
         for (int c = 0; c < 3; ++c) {
             const float passed = std::sqrt(both[c]);
             reached[3][c] = at_third[c] * stays * passed * leaves / (1.0f - passed * (1.0f - leaves));
@@ -267,10 +259,6 @@ HashedNumbers numbers_of(const Vec3f& a, const Vec3f& b) {
     numbers.add(b);
     return numbers;
 }
-
-}  // namespace
-
-namespace {
 
 /// What is reflected where it arrives: at few offsets, by no facets but those half way between both directions.
 float mean_reflected(const FacetedFibre& fibre, const Vec3f& in, HashedNumbers& numbers) {
@@ -325,7 +313,7 @@ std::optional<LobeDirection> sample_hair_facets(const Lobe& lobe, const Vec3f& o
         ways[path] = way;
         leaves[path] = light.reached[path] * (share * by.gain * fibre.open(by, way));
     };
-    const Vec3f off = mirrored_by(fibre.out, light.first.facet);
+    const Vec3f off = mirrored(fibre.out, light.first.facet);
     if (off.dot(light.first.surface.smooth) > 0.0f) leave(0, light.first, off, light.first.reflects);
     const auto refract = [&](int path, const Interface& by) {
         const Vec3f way = refracted(by.from, by.facet, 1.0f / lobe.ior);

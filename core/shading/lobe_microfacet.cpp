@@ -20,10 +20,6 @@ std::optional<Vec3f> refracted_direction(const Vec3f& outgoing, const Vec3f& nor
     return unit_or(normal * (cosine - std::sqrt(beyond2)) - outgoing, -outgoing);
 }
 
-Vec3f mirrored(const Vec3f& outgoing, const Vec3f& normal) {
-    return normal * (2.0f * normal.dot(outgoing)) - outgoing;
-}
-
 /// Microfacets::spread2 of a direction of the world, and crossed2. A lobe that is as rough all around needs no frame.
 float spread2(const Lobe& lobe, const Vec3f& w, float cosine) {
     const Microfacets facets = microfacets(lobe);

@@ -19,6 +19,11 @@ inline Vec3f unit_or(const Vec3f& v, const Vec3f& otherwise) {
     return length2 > FLT_MIN ? v * (1.0f / std::sqrt(length2)) : otherwise;
 }
 
+/// The direction that a facet mirrors `w` to.
+inline Vec3f mirrored(const Vec3f& w, const Vec3f& normal) {
+    return normal * (2.0f * normal.dot(w)) - w;
+}
+
 struct Microfacets {
     MicrofacetDistribution distribution;
     float alpha_x, alpha_y;

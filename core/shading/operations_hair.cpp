@@ -55,18 +55,24 @@ Color fibre_absorption(HairColoring coloring, const Operands& operands, float co
            absorption_of_color(operands.vector(4), radial);
 }
 
-Lobe hair_fibre_lobe(HairColoring coloring, const Operands& operands, const ShadingInputs& inputs) {
-    const auto limited = [](float roughness) { return std::clamp(roughness, kLeastFibreRoughness, 1.0f); };
-    const StrandVariation variation(operands, 10);
-    const float roughness = limited(operands.scalar(5) * variation.roughness_factor);
-    const float radial = operands.scalar(6) * variation.roughness_factor;
+/// What both models have in common: where the fibre is met.
+Lobe fibre_at_point(LobeType type, const Operands& operands, const ShadingInputs& inputs) {
     Lobe lobe;
-    lobe.type = LobeType::HairFibre;
+    lobe.type = type;
     lobe.kind = LobeKind::Glossy;
     lobe.weight = weight_of(operands);
     lobe.normal = facing_normal(inputs);
     lobe.tangent = normalized_or(inputs.point->dp_du, Vec3f(0, 0, 1));
     lobe.across = fibre_offset(lobe.tangent, inputs.outgoing, lobe.normal);
+    return lobe;
+}
+
+Lobe hair_fibre_lobe(HairColoring coloring, const Operands& operands, const ShadingInputs& inputs) {
+    const auto limited = [](float roughness) { return std::clamp(roughness, kLeastFibreRoughness, 1.0f); };
+    const StrandVariation variation(operands, 10);
+    const float roughness = limited(operands.scalar(5) * variation.roughness_factor);
+    const float radial = operands.scalar(6) * variation.roughness_factor;
+    Lobe lobe = fibre_at_point(LobeType::HairFibre, operands, inputs);
     lobe.alpha_x = longitudinal_variance(roughness);
     lobe.alpha_y = azimuthal_scale(limited(radial));
     lobe.roughness = longitudinal_variance(limited(roughness * (1.0f - saturate(operands.scalar(7)))));
@@ -92,13 +98,7 @@ constexpr float kOffsetsForCamera = 16.0f, kOffsets = 4.0f;
 void add_hair_facets(HairColoring coloring, const Operands& operands, const ShadingInputs& inputs, Closures& closures) {
     const StrandVariation variation(operands, 8);
     const float roughness = operands.scalar(5) * variation.roughness_factor;
-    Lobe lobe;
-    lobe.type = LobeType::HairFacets;
-    lobe.kind = LobeKind::Glossy;
-    lobe.weight = weight_of(operands);
-    lobe.normal = facing_normal(inputs);
-    lobe.tangent = normalized_or(inputs.point->dp_du, Vec3f(0, 0, 1));
-    lobe.across = fibre_offset(lobe.tangent, inputs.outgoing, lobe.normal);
+    Lobe lobe = fibre_at_point(LobeType::HairFacets, operands, inputs);
     lobe.alpha_x = roughness;
     lobe.ior = operands.scalar(6);
     lobe.tilt = -operands.scalar(7);
