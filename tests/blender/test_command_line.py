@@ -107,3 +107,27 @@ def test_a_render_that_fails_says_why_and_has_an_exit_code(root, run_blender, tm
     assert done.returncode != 0
     assert "camera" in done.stderr
     assert not (tmp_path / "picture.png").exists()
+
+
+def test_packages_are_waited_for_while_another_apt_get_runs(root, tmp_path):
+    """apt-get fails at once where another holds the lock of its lists; any other failure is final."""
+    programs = {
+        "dpkg-query": "exit 0",  # nothing is installed
+        "sudo": '"$@"',
+        "sleep": "exit 0",
+        "apt-get": f"""echo call >>{tmp_path}/calls
+        case $(wc -l <{tmp_path}/calls) in
+        1 | 2) echo 'E: Could not get lock /var/lib/apt/lists/lock. It is held by process 1 (apt-get)' >&2 ;;
+        *) echo 'E: The network is down' >&2 ;;
+        esac
+        exit 100""",
+    }
+    for name, text in programs.items():
+        program = tmp_path / name
+        program.write_text(f"#!/bin/sh\n{text}\n")
+        program.chmod(0o755)
+    done = call(root, "package", PATH=f"{tmp_path}:{os.environ['PATH']}")
+    assert done.returncode != 0
+    assert (tmp_path / "calls").read_text().count("call") == 3
+    assert "Could not get lock" not in done.stderr
+    assert "The network is down" in done.stderr
