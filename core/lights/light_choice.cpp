@@ -10,18 +10,24 @@
 namespace rayleaf {
 
 const LightGroups& LightSet::Implementation::weigh(const LitPoint& at, Maybe<LightGroups>& room) const {
-    LightGroups& result = room.emplace();
+    constexpr LightGroups::Weight kAll{1.0, 1.0}, kNone{};
+    const bool in_tree = tree.shines_on(at), is_one_of_several = has_groups() || tree.count() > 1;
+    const Float4 first = in_tree && is_one_of_several ? tree.first_weights(at, reaches(at.position)) : Float4{};
+    const LightGroups::Weight of_world = world ? world_weight(at) : kNone;
+    LightGroups::Weight of_tree = in_tree ? kAll : kNone;
+    if (in_tree && has_groups()) of_tree = tree.weight(at, first, reaches(at.position));
+    if (!(of_tree.irradiance > 0.0)) of_tree = kNone;
+    LightGroups::Weight total = of_world + of_tree;
     for (const DistantLamp& lamp : suns)
-        if (shines_on(at, lamp.traits)) result.add(weight(lamp, at));
-    if (world) result.add(world_weight(at));
-    if (tree.shines_on(at)) {
-        result.first_of_tree = tree.first_weights(at, reaches(at.position));
-        const LightGroups::Weight of_tree = tree.weight(at, result.first_of_tree, reaches(at.position));
-        result.has_tree = of_tree.irradiance > 0.0;
-        if (result.has_tree) result.of_tree = of_tree;
-    }
-    result.add(result.of_tree);
-    result.complete();
+        if (shines_on(at, lamp.traits)) total = total + weight(lamp, at);
+    LightGroups& result = room.emplace(total);
+    result.divide(of_world, of_tree, [&] {
+        double sum = 0;
+        for (const DistantLamp& lamp : suns)
+            if (shines_on(at, lamp.traits)) sum += result.probability(weight(lamp, at));
+        return sum;
+    });
+    result.first_of_tree = in_whole_parts(first, result.of_tree() * kPartsOfChoice);
     return result;
 }
 
@@ -70,9 +76,7 @@ void LightSet::Implementation::sample_tree(LightQuery& query, const InTree& in_t
 void LightSet::Implementation::choose(LightQuery& query, Asked& asked) const {
     LitPoint& at = *query.at;
     query.light.reset();
-    if (!has_groups()) return sample_tree(query, {double{query.random.x}, 1.0, nullptr}, asked);
     const LightGroups& groups = at.groups ? *at.groups : weigh(at, at.groups);
-    if (!(groups.total.cosine > 0.0)) return;
     double choice = query.random.x;
     const auto within = [&](double probability) { return Vec2f(below_one(choice / probability), query.random.y); };
     const DistantLamp* last = nullptr;
@@ -83,20 +87,18 @@ void LightSet::Implementation::choose(LightQuery& query, Asked& asked) const {
         choice -= probability;
         last = &lamp;
     }
-    if (world) {
-        const double probability = groups.probability(world_weight(at));
-        if (choice < probability || !groups.has_tree)
+    if (const double probability = groups.of_world(); probability > 0.0) {
+        if (choice < probability || !(groups.of_tree() > 0.0))
             return sample_world({&query, probability}, within(probability), asked);
         choice -= probability;
     }
-    if (!groups.has_tree) {  // rounding may leave `choice` just past the last sun
-        if (!last) return;
-        const double probability = groups.probability(weight(*last, at));
-        return sample_sun(*last, {&query, probability}, within(probability), asked);
+    if (const double probability = groups.of_tree(); probability > 0.0) {
+        const double left_over = std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53);
+        sample_tree(query, {left_over, probability, groups.first_of_tree}, asked);
+    } else if (last) {  // rounding may leave `choice` just past the last sun
+        const double of_last = groups.probability(weight(*last, at));
+        sample_sun(*last, {&query, of_last}, within(of_last), asked);
     }
-    const double probability = groups.tree_probability();
-    const double left_over = std::clamp(choice / probability, 0.0, 1.0 - 0x1p-53);
-    sample_tree(query, {left_over, probability, &groups.first_of_tree}, asked);
 }
 
 void LightSet::Implementation::see_world(Asked& asked) const {

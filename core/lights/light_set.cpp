@@ -107,9 +107,12 @@ PassedLights LightSet::passed(const Ray& ray, double end, const LitPoint& likely
             result.lights[result.count++] = {light.center, light.radius, light.intensity, part->begin, part->end};
     };
     if (set.tree.count() > PassedLights::kMost) {
-        auto chosen = set.tree.choose(likely, random, set.reaches(likely.position));
+        const auto choose = [&](const auto& reaches) {
+            return set.tree.choose(likely, random, reaches, set.tree.first_weights(likely, reaches));
+        };
+        auto chosen = choose(set.reaches(likely.position));
         // Elsewhere on its way the ray may be lit by those that do not reach the likely place.
-        if (!chosen) chosen = set.tree.choose(likely, random, [](uint32_t) { return true; });
+        if (!chosen) chosen = choose([](uint32_t) { return true; });
         if (chosen) add(chosen->item);
     } else {
         for (uint32_t item = 0; item < set.tree.count(); ++item) add(item);
@@ -144,8 +147,7 @@ float LightSet::world_density(const Vec3f& direction, const LitPoint& from) cons
     const Implementation& set = *implementation_;
     if (!set.world) return 0.0f;
     Maybe<LightGroups> room;
-    const double choice = set.groups(from, room).probability(set.world_weight(from));
-    return static_cast<float>(choice * set.world->density(direction));
+    return static_cast<float>(set.groups(from, room).of_world() * set.world->density(direction));
 }
 
 void LightSet::lamp_hits(const Ray& ray, double end, const LitPoint& from, Visibility kind, const PathState& path,

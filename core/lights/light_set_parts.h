@@ -56,12 +56,13 @@ struct LightSet::Implementation {
     /// Of lights that have a place, where any shines on the point.
     double tree_probability(const LitPoint& at) const {
         Maybe<LightGroups> room;
-        return has_groups() ? groups(at, room).tree_probability() : 1.0;
+        return groups(at, room).of_tree();
     }
     /// Of choosing this item of the tree.
     double probability(const LitPoint& at, uint32_t item) const {
-        const Float4* first = at.groups ? &at.groups->first_of_tree : nullptr;
-        return tree_probability(at) * tree.probability(at, item, reaches(at.position), first);
+        Maybe<LightGroups> room;
+        const LightGroups& known = groups(at, room);
+        return known.of_tree() * tree.probability(at, item, reaches(at.position), known.first_of_tree);
     }
     static LightGroups::Weight weight(const DistantLamp& lamp, const LitPoint& at) {
         const double cosine = lamp.sun.cosine(at.normal);
@@ -100,9 +101,9 @@ struct LightSet::Implementation {
     };
     /// What `choose` knows of its light when it has come to the tree.
     struct InTree {
-        double choice;        ///< what is left of its random number
-        double probability;   ///< of the tree
-        const Float4* first;  ///< LightTree::first_weights if they are known, else null
+        double choice;       ///< what is left of its random number
+        double probability;  ///< of the tree
+        Float4 first;        ///< weights of the tree's first branch
     };
     bool asks_path() const {
         const auto has_program = [](const auto& lamp) { return lamp.traits.has_program; };

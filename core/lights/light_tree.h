@@ -74,14 +74,13 @@ class LightTree {
         double probability = 0;
         double left_over = 0;  ///< of the random number: again in [0,1)
     };
-    /// `random` in [0,1). Empty where no light arrives. `reaches(item)` is asked of single lights that are bounded, but
-    /// not where there is one light alone. `first`: first_weights if they are known, else null.
+    /// `random` in [0,1). Empty where no light arrives. `reaches(item)` is asked of single lights that are bounded.
+    /// `first`: by what the choice begins, like first_weights; where there is one light alone they are not asked for.
     template <typename Reaches>
-    std::optional<Choice> choose(const LitPoint& at, double random, const Reaches& reaches,
-                                 const Float4* first = nullptr) const;
+    std::optional<Choice> choose(const LitPoint& at, double random, const Reaches& reaches, Float4 first) const;
     /// The probability with which `choose` returns `item`, which shines on the point.
     template <typename Reaches>
-    double probability(const LitPoint& at, uint32_t item, const Reaches& reaches, const Float4* first = nullptr) const;
+    double probability(const LitPoint& at, uint32_t item, const Reaches& reaches, Float4 first) const;
 
     struct Light {
         Vec3d center;
@@ -225,12 +224,12 @@ double LightTree::irradiance(const LightBranch& branch, Float4 weights, const Li
 
 template <typename Reaches>
 std::optional<LightTree::Choice> LightTree::choose(const LitPoint& at, double random, const Reaches& reaches,
-                                                   const Float4* first) const {
+                                                   Float4 first) const {
     if (!shines_on(at)) return std::nullopt;
     Choice choice{nodes_.front().item, 1.0, random};
     if (is_single()) return choice;
     const LightBranch* branch = branches_.data();
-    Float4 weights = first ? *first : first_weights(at, reaches);
+    Float4 weights = first;
     for (;;) {
         // Up to and with each one.
         const double to_0 = double{weights[0]}, to_1 = to_0 + double{weights[1]}, to_2 = to_1 + double{weights[2]},
@@ -250,14 +249,12 @@ std::optional<LightTree::Choice> LightTree::choose(const LitPoint& at, double ra
 }
 
 template <typename Reaches>
-double LightTree::probability(const LitPoint& at, uint32_t item, const Reaches& reaches, const Float4* first) const {
+double LightTree::probability(const LitPoint& at, uint32_t item, const Reaches& reaches, Float4 first) const {
     if (is_single()) return 1.0;
     double probability = 1.0;
     for (Place place = place_of_item_[item];;) {
         const LightBranch& branch = branches_[place.branch];
-        const Float4 weights = place.branch > 0 ? weights_of(branch, at, reaches).numbers
-                               : first          ? *first
-                                                : first_weights(at, reaches);
+        const Float4 weights = place.branch > 0 ? weights_of(branch, at, reaches).numbers : first;
         const double total = double{weights[0]} + double{weights[1]} + double{weights[2]} + double{weights[3]};
         probability *= total > 0 ? double{weights[place.lane]} / total : 0.0;
         if (place.branch == 0) return probability;
