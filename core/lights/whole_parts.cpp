@@ -11,9 +11,8 @@ Float4 in_whole_parts(Float4 weights, double parts) {
     float others = 0.0f;
     for (int i = 0; i < 4; ++i) {
         if (weights[i] > weights[largest]) largest = i;
-        // As whole_parts; no more than kPartsOfChoice of them.
         const float count = weights[i] * part;
-        if (count >= 0.5f) result[i] = static_cast<float>(static_cast<int>(count + 0.5f)) * per_part;
+        if (count >= 0.5f) result[i] = std::floor(count + 0.5f) * per_part;
     }
     for (int i = 0; i < 4; ++i)
         if (i != largest) others += result[i];
