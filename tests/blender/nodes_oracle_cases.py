@@ -145,6 +145,14 @@ def _skies(case: Callable[..., Any]) -> list[Any]:
     for sun, turbidity in (((0.3, 0.2, 0.9), 2.2), ((0.9, 0.1, 0.2), 5.0)):
         settings = {"sky_type": "PREETHAM", "sun_direction": sun, "turbidity": turbidity}
         found.append(case("ShaderNodeTexSky", settings, looked))
+    for turbidity, albedo, sun in (
+        (3.0, 1.0, (0.3, 0.2, 0.9)),
+        (6.0, 0.0, (-0.6, 0.5, 0.1)),
+        (2.2, 0.3, (0.1, 0.7, 0.6)),
+        (7.5, 0.8, (0.1, -0.7, -0.1)),
+    ):
+        settings = {"sky_type": "HOSEK_WILKIE", "turbidity": turbidity, "ground_albedo": albedo, "sun_direction": sun}
+        found.append(case("ShaderNodeTexSky", settings, looked))
     # Names of 3 and of 5.
     kinds, dust = (
         (["NISHITA"], "dust_density")

@@ -24,6 +24,9 @@ TABLE = 1e-4
 # Since 5.0, where it has this name, Cycles' Nishita sky is by so much another than 3.4's with the same settings: 0.5 % at most
 # from a degree above the horizon on, more in the table's lowest rows. Ours is that of 3.4.
 ANOTHER_SKY = 4e-2
+# Of Hosek and Wilkie's sky the coefficients are fitted. Cycles mixes them between whole turbidities and albedos of 0 and 1,
+# where we mix radiances.
+FITTED_SKY, MIXED_SKY = 2e-3, 4e-2
 # Cycles repeats panoramas beyond the poles, where Rayleaf extends them: cubic interpolation reads two rows there, of the four
 # that the oracle's picture has.
 POLES = 1e-2
@@ -33,6 +36,10 @@ TOLERANCES = {
     "TexImage": HALF,
     "TexSky {'sky_type': 'SINGLE_SCATTERING'": ANOTHER_SKY,
     "TexSky {'sky_type': 'MULTIPLE_SCATTERING'": RATIOS,
+    **{
+        f"TexSky {{'sky_type': 'HOSEK_WILKIE', 'turbidity': {turbidity}": allowed
+        for turbidity, allowed in ((3.0, FITTED_SKY), (6.0, FITTED_SKY), (2.2, MIXED_SKY), (7.5, MIXED_SKY))
+    },
     "TexSky": SUMS,
     "TexEnvironment": HALF,
     "Blackbody": FITTED,

@@ -1,5 +1,5 @@
-"""Sky Texture: skies of scattered light with their sun, and Preetham's (Preetham, Shirley, Smits: "A Practical Analytic Model
-for Daylight", SIGGRAPH 1999)."""
+"""Sky Texture: skies of scattered light with their sun, that of Hosek and Wilkie, and Preetham's (Preetham, Shirley, Smits:
+"A Practical Analytic Model for Daylight", SIGGRAPH 1999)."""
 
 import math
 from typing import Any
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..atmosphere import FROM_XYZ, Air, sky_table, sun_disc
+from ..hosek_wilkie import hosek_wilkie_table
 from ..spectral_atmosphere import horizon, whole_sky_table
 from ..spectral_atmosphere import sun_disc as spectral_sun_disc
 from .compiler import NodeView, value_node
@@ -74,8 +75,7 @@ def sky(view: NodeView, output: str) -> Register:
     if view.node.sky_type == "PREETHAM":
         return _preetham(view)
     if view.node.sky_type == "HOSEK_WILKIE":
-        view.warn("the sky of Hosek and Wilkie is rendered as Preetham's")
-        return _preetham(view)
+        return _hosek_wilkie(view)
     if view.node.sky_type not in ("NISHITA", "SINGLE_SCATTERING", "MULTIPLE_SCATTERING"):
         view.warn(f"the sky type {view.node.sky_type} is rendered as Nishita's")
     return _scattering(view)
@@ -125,6 +125,21 @@ def _preetham(view: NodeView) -> Register:
     )
     rgb = [found.vector("DOT_PRODUCT", xyz, emitter.constant(*row)) for row in FROM_XYZ]
     return found.vector("MAXIMUM", emitter.operation("combine", rgb), emitter.scalar(0.0))
+
+
+# --- Hosek and Wilkie ---------------------------------------------------------------------------------------------------
+
+
+def _hosek_wilkie(view: NodeView) -> Register:
+    node = view.node
+    x, y, z = node.sun_direction
+    elevation = math.atan2(z, math.hypot(x, y))
+    table = hosek_wilkie_table(node.turbidity, node.ground_albedo, elevation)
+    height, width = table.shape[:2]
+    header = np.zeros((5, 4), np.float32)
+    header[3] = (math.atan2(x, y) - math.pi, width, height, 0.0)
+    header[4, 0] = 1.0
+    return view.emitter.operation("sky", [_direction(view)], floats=np.concatenate([header.ravel(), table.ravel()]))
 
 
 # --- Scattering, once or more ---------------------------------------------------------------------------------------------
