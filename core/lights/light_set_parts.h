@@ -56,7 +56,7 @@ struct LightSet::Implementation {
     /// Of lights that have a place, where any shines on the point.
     double tree_probability(const LitPoint& at) const {
         Maybe<LightGroups> room;
-        return groups(at, room).of_tree();
+        return has_groups() ? groups(at, room).of_tree() : 1.0;
     }
     /// Of choosing this item of the tree.
     double probability(const LitPoint& at, uint32_t item) const {

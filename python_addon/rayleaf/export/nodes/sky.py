@@ -127,6 +127,15 @@ def _preetham(view: NodeView) -> Register:
     return found.vector("MAXIMUM", emitter.operation("combine", rgb), emitter.scalar(0.0))
 
 
+def _header(table: NDArray[np.float32], azimuth: float, is_whole: bool) -> NDArray[np.float32]:
+    """Of the table of core/shading/sky.h, without a disc; `azimuth`: of the sun, from y towards x."""
+    height, width = table.shape[:2]
+    header = np.zeros((5, 4), np.float32)
+    header[3] = (azimuth - math.pi, width, height, 0.0)
+    header[4, 0] = is_whole
+    return header
+
+
 # --- Hosek and Wilkie ---------------------------------------------------------------------------------------------------
 
 
@@ -135,10 +144,7 @@ def _hosek_wilkie(view: NodeView) -> Register:
     x, y, z = node.sun_direction
     elevation = math.atan2(z, math.hypot(x, y))
     table = hosek_wilkie_table(node.turbidity, node.ground_albedo, elevation)
-    height, width = table.shape[:2]
-    header = np.zeros((5, 4), np.float32)
-    header[3] = (math.atan2(x, y) - math.pi, width, height, 0.0)
-    header[4, 0] = 1.0
+    header = _header(table, math.atan2(x, y), True)
     return view.emitter.operation("sky", [_direction(view)], floats=np.concatenate([header.ravel(), table.ravel()]))
 
 
@@ -163,16 +169,14 @@ def _scattering(view: NodeView) -> Register:
 def _sky_floats(node: Any, air: Air, rotation: float, is_whole: bool) -> NDArray[np.float32]:
     """The table of core/shading/sky.h."""
     table = whole_sky_table(air) if is_whole else sky_table(air)
-    height, width = table.shape[:2]
     half, e = 0.5 * node.sun_size, air.elevation
     lowest = horizon(air) if is_whole else 0.0
-    header = np.zeros((5, 4), np.float32)
+    header = _header(table, rotation, is_whole)
+    header[4, 1] = lowest
     if node.sun_disc and half > 0.0 and e + half > lowest:
         edges = (spectral_sun_disc if is_whole else sun_disc)(air, node.sun_size)
         low, high = (edge * node.sun_intensity for edge in edges)
         header[0] = (math.cos(e) * math.sin(rotation), math.cos(e) * math.cos(rotation), math.sin(e), half)
         header[1] = (*low, e - half if is_whole else max(e - half, 0.0))
         header[2] = (*high, e + half)
-    header[3] = (rotation - math.pi, width, height, 0.0)
-    header[4] = (is_whole, lowest, 0.0, 0.0)
     return np.concatenate([header.ravel(), table.ravel()])
