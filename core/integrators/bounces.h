@@ -25,6 +25,11 @@ class Bounces {
     void pass_boundary(double length) { passed_ += length; }
     /// After going straight on through a transparent surface `length` away.
     void pass_through(double length);
+    /// After a portal `length` away, which counts as a transparent surface.
+    void pass_portal(double length) {
+        pass_through(length);
+        ++state_.portal_depth;
+    }
     /// One transparent surface more than allowed was passed: what the ray meets may emit, and that is all. (So a limit
     /// of n lets the camera see the world behind n + 1 surfaces, as in Cycles.)
     bool is_spent() const { return state_.transparent_depth > settings_.transparent_bounces; }

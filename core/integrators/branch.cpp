@@ -1,5 +1,7 @@
 #include "integrators/branch.h"
 
+#include "integrators/portals.h"
+
 namespace rayleaf {
 namespace {
 
@@ -40,6 +42,19 @@ Branch Branch::straight_on(const Scene& scene, const Vertex& from) const {
     // No shadow ray comes by here: lights beyond are found by this ray alone.
     if (!scene.material(from.point.instance, from.point.local).transparent_shadow)
         child.departure.sampling = LightSampling::None;
+    ++child.vertex;
+    return child;
+}
+
+Branch Branch::by_portal(const Scene& scene, const Vertex& from) const {
+    Branch child = *this;
+    child.has_departed = false;
+    child.outside_of = RayAnchor::kNone;
+    child.ray = behind_portal(scene, from, child.media);
+    child.differential = from.differential;
+    child.throughput *= from.closures.portal.weight;
+    child.bounces.pass_portal(from.point.t);
+    child.departure.sampling = LightSampling::None;  // no shadow ray goes by portals
     ++child.vertex;
     return child;
 }

@@ -75,6 +75,8 @@ struct Branch {
                      int count) const;
     /// The ray behind a transparent surface.
     Branch straight_on(const Scene& scene, const Vertex& from) const;
+    /// The ray that its portal sends on, in its media.
+    Branch by_portal(const Scene& scene, const Vertex& from) const;
 };
 
 /// False for a ray that is black, or that ends by chance, being dim; the others carry its light.

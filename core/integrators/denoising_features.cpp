@@ -32,7 +32,7 @@ struct Parts {
 
 Parts parts_of(const Closures& closures) {
     Parts parts;
-    parts.clear_weight = std::max(average(closures.transparency), 0.0f);
+    parts.clear_weight = std::max(average(closures.unscattered()), 0.0f);
     for (int i = 0; i < closures.size(); ++i) {
         const Lobe& lobe = closures[i];
         const float weight = average(lobe.weight);
@@ -62,11 +62,11 @@ void DenoisingFeatures::meet(const Scene& scene, const Vertex& vertex, double le
     sample[Pass::denoising_depth].x += share_ * average(passed_) * static_cast<float>(length);
     if (!is_black(closures.emission)) {
         meet_light(closures.emission, sample);
-        is_done_ = closures.size() == 0 && is_black(closures.transparency);
+        is_done_ = closures.size() == 0 && is_black(closures.unscattered());
     }
     const Parts parts = parts_of(closures);
     if (parts.rough_weight <= kRoughShare * (parts.rough_weight + parts.clear_weight)) {
-        passed_ *= up_to_one(albedo_of(parts.clear, vertex.outgoing) + closures.transparency);
+        passed_ *= up_to_one(albedo_of(parts.clear, vertex.outgoing) + closures.unscattered());
         return;
     }
     const Vec3d normal(normalized_or(parts.normal, vertex.point.normal));

@@ -26,6 +26,7 @@ enum class PathDimension : uint32_t {
     Hemisphere = 5,    ///< distribution ray tracing: rays from diffuse lobes
     Walk = 6,          ///< path tracing: the tag of a walk below the surface
     Child = 6,         ///< the same: the tag of mirrors and refractions, with their number
+    Portal = 7,        ///< of what is not scattered, straight on or by a portal
     Medium = 8,        ///< the way through media to the vertex: how far, by which channel
     MediumLight = 9,   ///< and where on which light that arrives on that way
     MediumPlace = 10,  ///< and where it arrives

@@ -139,6 +139,7 @@ void DistributionTracer::shade(Vertex& vertex) {
         return send_one_on(branch, *hit_, vertex);
     }
     if (!is_black(vertex.closures.transparency)) push(branch.straight_on(scene_, vertex), vertex);
+    if (!is_black(vertex.closures.portal.weight)) push(branch.by_portal(scene_, vertex));
     if (!branch.bounces.is_last()) send_on(branch, *hit_, vertex);
 }
 

@@ -1,5 +1,6 @@
 #include "integrators/distribution_tracer.h"
 #include "integrators/glass_path.h"
+#include "integrators/portals.h"
 #include "integrators/scattered_differential.h"
 #include "integrators/shadow.h"
 
@@ -119,7 +120,7 @@ void DistributionTracer::sample_lights(const Branch& branch, const Vertex& verte
 void DistributionTracer::follow_singular(const Branch& branch, const Hit& hit, const Vertex& vertex,
                                          const SplitClosures& lobes) {
     uint32_t number = 0;
-    float total = max_component(vertex.closures.transparency);
+    float total = max_component(vertex.closures.unscattered());
     for (const LobeSample& sample : lobes.singular()) total += max_component(sample.weight);
     for (const LobeSample& sample : lobes.singular()) {
         Branch child = branch.scattered(scene_, vertex, vertex.closures, sample, 1);
@@ -170,13 +171,19 @@ void DistributionTracer::sample_light_once(const Branch& branch, const Vertex& v
 void DistributionTracer::send_one_on(const Branch& branch, const Hit& hit, const Vertex& vertex) {
     const bool last = branch.bounces.is_last();
     if (!last) sample_light_once(branch, vertex);
-    const float through = max_component(vertex.closures.transparency);
+    const float through = max_component(vertex.closures.unscattered());
     float scattering = 0.0f;
     for (int i = 0; i < vertex.closures.size() && !last; ++i) scattering += max_component(vertex.closures[i].weight);
     const float straight = through > 0.0f ? through / (through + scattering) : 0.0f;
     if (straight > 0.0f && branch.random(PathDimension::Transparency) < straight) {
+        const float portal = portal_share(vertex.closures);
+        if (portal > 0.0f && branch.random(PathDimension::Portal) < portal) {
+            Branch child = branch.by_portal(scene_, vertex);
+            child.throughput /= straight * portal;
+            return push(std::move(child));
+        }
         Branch child = branch.straight_on(scene_, vertex);
-        child.throughput /= straight;
+        child.throughput /= straight * (1.0f - portal);
         return push(std::move(child), vertex);
     }
     if (!last) scatter_once(branch, hit, vertex, straight);

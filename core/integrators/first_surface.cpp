@@ -22,12 +22,12 @@ void write_mist(const Scene& scene, const PathSettings& settings, const Vertex& 
     // Mist of no depth is a wall.
     const double depth = settings.mist_depth > 0.0 ? std::clamp(way / settings.mist_depth, 0.0, 1.0) : way > 0.0;
     const float mist = std::pow(static_cast<float>(depth), settings.mist_falloff);
-    sample[Pass::mist].x += (1.0f - mist) * average(throughput * (Color(1.0f) - vertex.closures.transparency));
+    sample[Pass::mist].x += (1.0f - mist) * average(throughput * (Color(1.0f) - vertex.closures.unscattered()));
 }
 
 void write_matte(const Scene& scene, const Vertex& vertex, const Color& throughput, PixelSample& sample) {
     if (!sample.extras) return;
-    const uint32_t weight = matte_weight(average(throughput) * (1.0f - average(vertex.closures.transparency)));
+    const uint32_t weight = matte_weight(average(throughput) * (1.0f - average(vertex.closures.unscattered())));
     if (weight > 0) sample.extras->mattes.push_back({scene.matte_ids(vertex.point), weight});
 }
 

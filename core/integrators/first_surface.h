@@ -13,7 +13,7 @@ constexpr float kPassOpacity = 0.5f;
 constexpr float kNoDepth = 1e10f;
 
 inline bool is_opaque_enough(const Closures& closures) {
-    return 1.0f - average(closures.transparency) >= kPassOpacity;
+    return 1.0f - average(closures.unscattered()) >= kPassOpacity;
 }
 
 /// Whether the camera sees a hole there, whatever else the material has (as in Cycles).

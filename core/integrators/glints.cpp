@@ -13,7 +13,7 @@ constexpr float kMostGlint = 16.0f;
 /// glass, its other side is.
 bool is_mirror_by_chance(const Lobe& lobe, const Closures& closures) {
     if (!is_singular(lobe)) return false;
-    const bool alone = closures.size() == 1 && is_black(closures.transparency);
+    const bool alone = closures.size() == 1 && is_black(closures.unscattered());
     return (lobe.type == LobeType::Glass && lobe.ior > 1.0f) || (lobe.type == LobeType::Reflection && !alone);
 }
 

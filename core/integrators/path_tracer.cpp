@@ -285,21 +285,6 @@ void PathTracer::record_surface(const Vertex& vertex) {
                       ambient_occlusion(scene_, settings_, vertex, {1, sampler_, use, widening()}));
 }
 
-float PathTracer::straight_probability(const Vertex& vertex) const {
-    /// How much light scattered rays find beside a ray that goes straight on, in the mean: lamps are seen by that, but
-    /// sampled for these, unless a mirror scatters them.
-    constexpr float kScatteredLight = 0.5f;
-    const Closures& closures = vertex.closures;
-    const float straight = average(closures.transparency);
-    if (!(straight > 0.0f)) return 0.0f;
-    if (bounces_.is_last()) return 1.0f;
-    float scattered = 0.0f;
-    for (int i = 0; i < closures.size(); ++i)
-        scattered += average(closures[i].weight) * (is_singular(closures[i]) ? 1.0f : kScatteredLight) +
-                     glint_weight(closures[i], vertex.view.lobes[i]);
-    return straight / (straight + scattered);
-}
-
 bool PathTracer::go_on(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {
     const float straight = straight_probability(vertex);
     if (straight >= 1.0f) return pass_through(vertex, straight);
@@ -314,19 +299,6 @@ bool PathTracer::go_on(const Vertex& vertex, const Vec2f& random, std::vector<Li
     if (bounces_.is_last() || vertex.closures.size() == 0) return false;
     throughput_ /= 1.0f - straight;
     return scatter(vertex, numbers, light_rays);
-}
-
-bool PathTracer::pass_through(const Vertex& vertex, float probability) {
-    throughput_ *= vertex.closures.transparency / probability;
-    if (!is_finite(throughput_)) return false;
-    bounces_.pass_through(vertex.point.t);
-    // No shadow ray comes by here: lights beyond are found by this ray alone.
-    if (!material_->transparent_shadow) departure_.density = 0.0f;
-    leave_towards(scene_, vertex.point, vertex.outgoing, -vertex.outgoing, media_);
-    ray_ = vertex.point.behind(ray_);
-    outside_of_ = kNowhere;
-    differential_ = vertex.differential;
-    return true;
 }
 
 bool PathTracer::scatter(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays) {

@@ -234,6 +234,7 @@ class alignas(64) PathTracer {  // begins with a line of the cache
     /// True if the path goes on past the surface.
     bool go_on(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
     bool pass_through(const Vertex& vertex, float probability);
+    bool pass_portal(const Vertex& vertex, float probability);
     bool scatter(const Vertex& vertex, const Vec2f& random, std::vector<LightRay>& light_rays);
     /// Light that enters the body at the vertex: lit and scattered on where it leaves.
     bool scatter_below(const Vertex& vertex, const LobeSample& entry, std::vector<LightRay>& light_rays);

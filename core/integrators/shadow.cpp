@@ -145,7 +145,7 @@ void shade(const Scene& scene, std::span<const FollowedWay> followed, const Surf
     }
     material.surface->evaluate({of_point.data(), followed.size()}, {results.data(), followed.size()});
     for (size_t i = 0; i < followed.size(); ++i) {
-        *followed[i].share *= closures[i].transparency;
+        *followed[i].share *= closures[i].shadow_transparency();
         ++followed[i].way->state.transparent_depth;
         --followed[i].way->transparent_left;
     }

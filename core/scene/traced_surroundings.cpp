@@ -115,6 +115,26 @@ float TracedSurroundings::openness(const SurfacePoint& point, const Openness& as
     return static_cast<float>(open) / static_cast<float>(asked.rays);
 }
 
+std::optional<Surroundings::Met> TracedSurroundings::cast(const SurfacePoint& point, const Cast& asked) const {
+    if (!(asked.distance > 0.0f) || !is_finite(asked.position) || point.inside) return {};
+    const Vec3d direction = normalized_or(Vec3d(asked.direction), Vec3d(0, 0, 1));
+    Ray ray;
+    if (asked.position == Vec3f(point.position)) {
+        point.release(ray, direction);
+    } else {
+        ray.origin = Vec3d(asked.position);
+        ray.direction = direction;
+        ray.time = point.time;
+    }
+    ray.t_max = static_cast<double>(asked.distance);
+    const Maybe<Hit> hit =
+        asked.only_local ? tracer_.closest_on(point.instance, ray) : tracer_.closest(ray, kVisibleAll).hit;
+    if (!hit) return {};
+    const SurfacePoint other = tracer_.surface_point(ray, *hit, SurfaceDetail::Normal);
+    const bool is_behind = other.facet_normal.dot(asked.direction) > 0.0f;
+    return Met{static_cast<float>(hit->t), hit->instance == point.instance, is_behind ? -other.normal : other.normal};
+}
+
 Vec3f TracedSurroundings::rounded_normal(const SurfacePoint& point, float radius, int rays,
                                          const ProbeNumbers& numbers) const {
     if (!(radius > 0.0f) || !std::isfinite(radius) || rays < 1 || point.inside) return point.normal;

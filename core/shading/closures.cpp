@@ -147,6 +147,7 @@ Closures& Closures::operator=(const Closures& other) {
     if (this == &other) return *this;
     emission = other.emission;
     transparency = other.transparency;
+    portal = other.portal;
     holdout = other.holdout;
     smooth_normal = other.smooth_normal;
     bump_shadow = other.bump_shadow;
@@ -159,7 +160,7 @@ Closures& Closures::operator=(const Closures& other) {
 }
 
 void Closures::clear() {
-    emission = transparency = Color(0.0f);
+    emission = transparency = portal.weight = Color(0.0f);
     holdout = 0.0f;
     medium.clear();
     count_ = 0;
@@ -180,9 +181,19 @@ void Closures::add(const Lobe& lobe) {
         std::construct_at(&lobes_[count_++], clean);
 }
 
+void Closures::add(const Portal& another) {
+    const bool is_sound = is_finite(another.weight) && is_finite(another.position) && is_finite(another.direction) &&
+                          max_component(another.weight) > kLeastLobeWeight;
+    if (!is_sound) return;
+    const Color sum = portal.weight + another.weight;
+    if (average(another.weight) >= average(portal.weight)) portal = another;
+    portal.weight = sum;
+}
+
 void Closures::take_turned(const Closures& other, const Vec3f& normal) {
     emission = other.emission;
     transparency = other.transparency;
+    portal.weight = Color(0.0f);  // nothing that has one is turned
     holdout = other.holdout;
     medium.clear();
     count_ = other.count_;

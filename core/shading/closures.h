@@ -155,12 +155,21 @@ enum class Clearing : uint8_t {
     All,      ///< and those that bumps bend. Cycles up to 3.5.
 };
 
+/// A share of light that comes here from another place, as the view from there in `direction`: Blender's Ray Portal
+/// BSDF. Where several are mixed, the heaviest tells the place.
+struct Portal {
+    Color weight{0, 0, 0};
+    Vec3f position{0, 0, 0};   ///< world units
+    Vec3f direction{0, 0, 1};  ///< unit
+};
+
 class Closures {
   public:
     static constexpr int kMaxLobes = 16;
 
     Color emission{0, 0, 0};      ///< radiance towards the viewer
     Color transparency{0, 0, 0};  ///< share of light that goes straight through
+    Portal portal;                ///< read where its weight is not black
     float holdout = 0;            ///< share that shows the film's emptiness
     /// The surface's own normal, unit, towards the viewer: diffuse lobes whose normal is another are darkened where it
     /// faces away from the light (lobes.h). Zero: none is. `clear` leaves it.
@@ -181,6 +190,13 @@ class Closures {
     /// become harmless ones; roughness too small for floating point, or an index too near 1 to spread, becomes
     /// singular.
     void add(const Lobe& lobe);
+    /// Drops what is not finite.
+    void add(const Portal& another);
+    /// The share of light that is not scattered: straight through, or by the portal.
+    Color unscattered() const { return transparency + portal.weight; }
+    /// What arrives of a light behind the surface. As in Cycles, a portal blocks it, but where the surface is
+    /// transparent beside it, light goes straight through both.
+    Color shadow_transparency() const { return is_black(transparency) ? transparency : unscattered(); }
     /// Becomes a copy of `other`, which has no medium and one normal for all lobes, with `normal` in its place. The
     /// smooth normal and AOVs stay.
     void take_turned(const Closures& other, const Vec3f& normal);

@@ -22,6 +22,7 @@ struct PathState {
          transmission = false, volume = false;
     float ray_length = 0;  ///< world units
     int depth = 0, diffuse_depth = 0, glossy_depth = 0, transparent_depth = 0, transmission_depth = 0, volume_depth = 0;
+    int portal_depth = 0;  ///< of the transparent ones
 };
 
 /// A named value of a whole instance: the object's colour, the particle that it stands for.

@@ -17,6 +17,7 @@ constexpr OperationFamily family(Operation operation) {
         case Operation::wireframe:
         case Operation::ambient_occlusion:
         case Operation::bevel:
+        case Operation::raycast:
         case Operation::bump:
         case Operation::fresnel:
         case Operation::layer_weight:
@@ -54,6 +55,8 @@ constexpr IntCounts int_counts(Operation operation) {
             return {1, 3};
         case Operation::voronoi:
             return {3, 5};
+        case Operation::raycast:
+            return {1, 2};
         case Operation::wave:
         case Operation::brick:
             return {2, 2};

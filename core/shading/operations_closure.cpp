@@ -293,6 +293,11 @@ void add_closure(Operation operation, uint8_t variant, const Operands& operands,
         case Operation::transparent:
             closures.transparency += weight * operands.vector(1);
             return;
+        case Operation::ray_portal: {
+            const Vec3f direction = normalized_or(operands.vector(3), -inputs.outgoing);
+            closures.add({operands.vector(1) * weight, operands.vector(2), direction});
+            return;
+        }
         case Operation::hair:
         case Operation::hair_fibre:
         case Operation::hair_facets:

@@ -157,6 +157,8 @@ float light_path(LightPathVariant variant, const PathState& path) {
             return static_cast<float>(path.transparent_depth);
         case LightPathVariant::transmission_depth:
             return static_cast<float>(path.transmission_depth);
+        case LightPathVariant::portal_depth:
+            return static_cast<float>(path.portal_depth);
     }
     return 0.0f;
 }

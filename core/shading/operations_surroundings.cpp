@@ -30,10 +30,23 @@ Vec4f bevel_value(const Operands& operands, int rays, const ShadingInputs& input
     return extended(normalized_or(normal + (is_backfacing(inputs) ? -around : around) - own, normal));
 }
 
+/// Lengths are counted in those of the direction, as in Cycles.
+Vec4f raycast_value(const Operands& operands, std::span<const int32_t> ints, const ShadingInputs& inputs) {
+    const Vec3f direction = operands.vector(1);
+    const float scale = direction.length(), length = operands.scalar(2);
+    std::optional<Surroundings::Met> met;
+    if (inputs.surroundings != nullptr && inputs.point != nullptr && scale > 0.0f && std::isfinite(scale))
+        met = inputs.surroundings->cast(
+            *inputs.point, {operands.vector(0), direction * (1.0f / scale), length * scale, has_flag(ints, 1)});
+    if (ints[0] == 1) return extended(met ? met->normal : Vec3f(0.0f));
+    return met ? Vec4f(1.0f, met->own ? 1.0f : 0.0f, met->distance / scale, 1.0f) : Vec4f(0.0f, 0.0f, length, 1.0f);
+}
+
 }  // namespace
 
 Vec4f surroundings_value(Operation operation, const Operands& operands, std::span<const int32_t> ints,
                          const ShadingInputs& inputs, uint32_t tag) {
+    if (operation == Operation::raycast) return raycast_value(operands, ints, inputs);
     const bool is_bevel = operation == Operation::bevel;
     if (inputs.surroundings == nullptr || inputs.point == nullptr) {
         if (!is_bevel) return spread(1.0f);

@@ -10,7 +10,8 @@
 namespace rayleaf {
 
 constexpr bool is_probe(Operation operation) {
-    return operation == Operation::ambient_occlusion || operation == Operation::bevel;
+    return operation == Operation::ambient_occlusion || operation == Operation::bevel ||
+           operation == Operation::raycast;
 }
 
 /// `tag` distinguishes the queries of one program. Where rays cannot be traced nothing is near: in displacement, lamps,

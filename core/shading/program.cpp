@@ -74,6 +74,8 @@ IntRange int_range(Operation operation, size_t i) {
         case Operation::ambient_occlusion:
         case Operation::bevel:
             return i == 0 ? IntRange{1, 1024} : IntRange{0, 1};
+        case Operation::raycast:
+            return {0, 1};
         case Operation::subsurface:
         case Operation::principled:
         case Operation::principled_layers:
@@ -233,6 +235,7 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         case Operation::wireframe:
         case Operation::ambient_occlusion:
         case Operation::bevel:
+        case Operation::raycast:
         case Operation::bump:
         case Operation::from_tangent_space:
         case Operation::parametric:
@@ -272,6 +275,9 @@ void Program::note_effects(const Instruction& instruction, std::span<const Regis
         case Operation::transparent:
             transparent_ |= !surely(0, 0.0f) && !surely(1, 0.0f);
             return;
+        case Operation::ray_portal:
+            transparent_ |= !surely(0, 0.0f) && !surely(1, 0.0f);
+            break;
         case Operation::hair_facets:  // beside a cross section that is not round
             transparent_ |= !surely(0, 0.0f) && !surely(kRatioOfHairAxes, 1.0f);
             return;

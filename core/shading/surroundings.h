@@ -1,4 +1,5 @@
-// What a shader program may ask about the space around the point it shades: the nodes Ambient Occlusion and Bevel.
+// What a shader program may ask about the space around the point it shades: the nodes Ambient Occlusion, Bevel and
+// Raycast.
 #pragma once
 
 #include "base/random.h"
@@ -6,6 +7,7 @@
 #include "geometry/surface_point.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace rayleaf {
 
@@ -32,6 +34,19 @@ class Surroundings {
     };
     /// The share of the hemisphere, weighed by the cosine, in which nothing is in the way.
     virtual float openness(const SurfacePoint& point, const Openness& asked, const ProbeNumbers& numbers) const = 0;
+    struct Cast {
+        Vec3f position;      ///< world units; that of the point itself leaves its surface
+        Vec3f direction;     ///< unit
+        float distance = 0;  ///< world units
+        bool only_local = false;
+    };
+    struct Met {
+        float distance = 0;     ///< world units
+        bool own = false;       ///< belongs to the instance itself
+        Vec3f normal{0, 0, 1};  ///< unit, facing the ray
+    };
+    /// The nearest thing on a ray of any kind.
+    virtual std::optional<Met> cast(const SurfacePoint& point, const Cast& asked) const = 0;
     /// The mean of the normals around, on the side of the winding; the point's own where there is nothing to average.
     virtual Vec3f rounded_normal(const SurfacePoint& point, float radius, int rays,
                                  const ProbeNumbers& numbers) const = 0;

@@ -34,7 +34,8 @@ namespace rayleaf {
 #define RAYLEAF_PRINCIPLED_VARIANTS(X) X(GGX) X(MULTI_GGX)
 #define RAYLEAF_LIGHT_PATH_VARIANTS(X) \
     X(is_camera) X(is_shadow) X(is_diffuse) X(is_glossy) X(is_singular) X(is_reflection) X(is_transmission) \
-    X(is_volume) X(ray_length) X(ray_depth) X(diffuse_depth) X(glossy_depth) X(transparent_depth) X(transmission_depth)
+    X(is_volume) X(ray_length) X(ray_depth) X(diffuse_depth) X(glossy_depth) X(transparent_depth) X(transmission_depth) \
+    X(portal_depth)
 #define RAYLEAF_FRACTAL_VARIANTS(X) \
     X(FBM) X(MULTIFRACTAL) X(HYBRID_MULTIFRACTAL) X(RIDGED_MULTIFRACTAL) X(HETERO_TERRAIN)
 #define RAYLEAF_VORONOI_VARIANTS(X) X(F1) X(F2) X(SMOOTH_F1) X(DISTANCE_TO_EDGE) X(N_SPHERE_RADIUS)

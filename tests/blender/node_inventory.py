@@ -11,7 +11,19 @@ from oracle_case import modes, put
 from property_walk import accepts
 from rayleaf import _core
 
-ORACLES = ("nodes", "surface", "spread", "surroundings", "lamp_nodes", "light_path", "sky", "volume", "grids", "smoke")
+ORACLES = (
+    "nodes",
+    "surface",
+    "spread",
+    "surroundings",
+    "portals",
+    "lamp_nodes",
+    "light_path",
+    "sky",
+    "volume",
+    "grids",
+    "smoke",
+)
 # What belongs to trees and computes nothing; a renderer reads what it connects.
 _ORGANISE = {
     *("NodeFrame", "NodeReroute", "NodeGroupInput", "NodeGroupOutput", "ShaderNodeGroup"),

@@ -19,13 +19,14 @@ from rayleaf.export.images import ImageLibrary
 from rayleaf.export.nodes.compiler import Compiler
 from rayleaf.export.nodes.resources import Resources
 from rayleaf.export.nodes.emitter import Emitter
+from rayleaf.export.nodes.trees import shader_tree
 from rayleaf.messages import Messages, Subject
 
 PIXELS = 24  # a square's side on the picture
 OFFSET = 4.0  # added to results, for the picture to hold negative ones
 
 
-def build_material(case: Case, center: tuple[float, float]) -> tuple[Any, Any]:
+def build_material(case: Any, center: tuple[float, float]) -> tuple[Any, Any]:
     """A material that shines by the case's output, plus the offset; and that output."""
     material = bpy.data.materials.new(case.name[:60])
     material.use_nodes = True
@@ -128,7 +129,10 @@ def core_picture(material: Any, positions: Any) -> Any:
     scene, messages = TextureOnlyScene(), Messages()
     resources = Resources(lambda name: 0, ImageLibrary(_core, scene, messages), 1)
     emitter = Emitter(_core, material.name)
-    Compiler(emitter, Subject("Material", material.name), resources, messages).compile_tree(material.node_tree)
+    with shader_tree(material) as tree:
+        Compiler(emitter, Subject("Material", material.name), resources, messages).compile_tree(tree)
+    if messages.texts:
+        raise SystemExit(f"not compared as it is: {messages.texts}")
     up = np.tile(np.float32((0, 0, 1)), (len(positions), 1))
     points = _core.shading.surface_points(positions.astype(np.float32), up, up, textures=scene.store)
     return points.results(emitter.program)["emission"].astype(np.float64) - OFFSET
@@ -161,12 +165,13 @@ def position_material() -> Any:
     return material
 
 
-def cases() -> list[Case]:
+def cases() -> list[Any]:
     """Everything that is compared."""
     from nodes_oracle_cases import all_cases
+    from nodes_oracle_zones import zone_cases
 
     # Old nodes leave Blender: Musgrave in 4.1, HSV in 5.0.
-    return [case for case in all_cases(Case, make_image) if hasattr(bpy.types, case.node)]
+    return [case for case in (*all_cases(Case, make_image), *zone_cases()) if hasattr(bpy.types, case.node)]
 
 
 def compared_nodes() -> dict[str, list[dict[str, Any]]]:

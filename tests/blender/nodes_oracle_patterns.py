@@ -151,6 +151,23 @@ def _gabor(case: Make) -> list[Any]:
     return found
 
 
+def _radial(case: Make) -> list[Any]:
+    """Polygons with sharp and round corners, and such whose last side is shorter."""
+    found = []
+    polygons = [(5.0, 0.0), (2.0, 0.0), (3.4, 0.0), (5.0, 0.3), (7.0, 0.8), (4.0, 1.0)]
+    for (sides, roundness), normalize in product(polygons, (False, True)):
+        inputs = {"Vector": "p", "Sides": sides, "Roundness": roundness}
+        found.append(case("ShaderNodeRadialTiling", {"normalize": normalize}, inputs, "Segment Coordinates"))
+    for (sides, roundness), output in product(polygons, ("Segment ID", "Segment Rotation")):
+        inputs = {"Vector": "p", "Sides": sides, "Roundness": roundness}
+        found.append(case("ShaderNodeRadialTiling", {}, inputs, output))
+    for output in ("Segment Coordinates", "Segment Width"):
+        for inputs in ({"Sides": 3.4}, {"Roundness": "y"}):
+            found.append(case("ShaderNodeRadialTiling", {}, {"Vector": "p", **inputs}, output))
+    found.append(case("ShaderNodeRadialTiling", {}, {"Vector": "p", "Sides": "x"}, "Segment Coordinates"))
+    return found
+
+
 def pattern_cases(case: Make) -> list[Any]:
     """Every texture that is computed from its coordinate."""
     octaves = _voronoi_octaves(case) if bpy.app.version >= (4, 0, 0) else []
@@ -161,6 +178,7 @@ def pattern_cases(case: Make) -> list[Any]:
         + _voronoi(case)
         + octaves
         + _gabor(case)
+        + _radial(case)
         + _waves(case)
         + _regular(case)
     )

@@ -81,8 +81,8 @@ def _displacements() -> list[Case]:
     for space in ("OBJECT", "WORLD"):
         for inputs in ({"Height": "height", "Scale": 0.3}, {"Height": "height", "Midlevel": 0.2, "Scale": -0.2}):
             found.append(Case("ShaderNodeDisplacement", {"space": space}, inputs))
-    inputs = {"Height": "height", "Scale": 0.3, "Normal": "bumped"}
-    found.append(Case("ShaderNodeDisplacement", {"space": "WORLD"}, inputs))
+        bent = {"Height": "height", "Scale": 0.3, "Normal": "bumped"}
+        found.append(Case("ShaderNodeDisplacement", {"space": space}, bent))
     for space in ("OBJECT", "WORLD", "TANGENT"):
         inputs = {"Vector": "object", "Scale": 0.2}
         found.append(Case("ShaderNodeVectorDisplacement", {"space": space}, inputs))

@@ -1,4 +1,5 @@
-"""The nodes Ambient Occlusion and Bevel in both engines: bodies on a floor that glow by what the node says. Inside Blender."""
+"""The nodes Ambient Occlusion, Bevel and Raycast in both engines: bodies on a floor that glow by what the node says. Inside
+Blender."""
 
 import sys
 from pathlib import Path
@@ -22,6 +23,18 @@ CASES = {
     "wide bevel": ("Bevel", {"samples": 4}, {"Radius": 0.5}, False),
     "bent bevel": ("Bevel", {"samples": 8}, {"Radius": 0.2}, True),
     "no bevel": ("Bevel", {"samples": 2}, {"Radius": 0.0}, False),
+}
+SLANTED = {"Direction": (0.9, -0.5, 0.7), "Length": 1.5}
+# Since 5.1: the node's properties, its inputs, and the output.
+RAYCASTS = {
+    "along the normal": ({}, {"Length": 2.0}, "Is Hit"),
+    "slanted": ({}, SLANTED, "Is Hit"),
+    "local": ({"only_local": True}, SLANTED, "Is Hit"),
+    "self": ({}, SLANTED, "Self Hit"),
+    "distance": ({}, SLANTED, "Hit Distance"),
+    "place": ({}, SLANTED, "Hit Position"),
+    "normal there": ({}, SLANTED, "Hit Normal"),
+    "from below": ({}, {"Position": (0.1, 0.0, -2.0), "Direction": "normal", "Length": 5.0}, "Hit Normal"),
 }
 
 
@@ -59,6 +72,41 @@ def glow(kind, properties, inputs, bent):
     return material
 
 
+def cast(properties, inputs, output_name):
+    """A material that shines by what a ray meets, brought to 0..1."""
+    material, tree, output = scenes.material("Raycast")
+    node, shine = tree.nodes.new("ShaderNodeRaycast"), tree.nodes.new("ShaderNodeEmission")
+    for name, value in properties.items():
+        setattr(node, name, value)
+    for name, value in inputs.items():
+        if value == "normal":
+            source = tree.nodes.new("ShaderNodeNewGeometry").outputs["Normal"]
+        elif name == "Length":
+            node.inputs[name].default_value = value
+            continue
+        else:
+            made = tree.nodes.new("ShaderNodeCombineXYZ")
+            for socket, number in zip(made.inputs, value):
+                socket.default_value = number
+            source = made.outputs[0]
+        tree.links.new(source, node.inputs[name])
+    scaled = tree.nodes.new("ShaderNodeVectorMath")
+    scaled.operation = "MULTIPLY_ADD"
+    scaled.inputs[1].default_value, scaled.inputs[2].default_value = (0.3, 0.3, 0.3), (0.5, 0.5, 0.5)
+    tree.links.new(node.outputs[output_name], scaled.inputs[0])
+    tree.links.new(scaled.outputs[0], shine.inputs["Color"])
+    tree.links.new(shine.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def materials():
+    """By case: what makes its material."""
+    found = {case: (glow, described) for case, described in CASES.items()}
+    if hasattr(bpy.types, "ShaderNodeRaycast"):
+        found |= {f"raycast {case}": (cast, described) for case, described in RAYCASTS.items()}
+    return found
+
+
 def build():
     """A floor, a turned block that stands on it, and a smooth head."""
     scenes.empty_file()
@@ -75,16 +123,16 @@ def build():
 def compared_nodes():
     """By case: the node as it is compared."""
     scenes.empty_file()
-    kinds = ("ShaderNodeAmbientOcclusion", "ShaderNodeBevel")
-    return {case: described_nodes(glow(*described).node_tree, kinds) for case, described in CASES.items()}
+    kinds = ("ShaderNodeAmbientOcclusion", "ShaderNodeBevel", "ShaderNodeRaycast")
+    return {case: described_nodes(make(*described).node_tree, kinds) for case, (make, described) in materials().items()}
 
 
 if __name__ == "__main__":
     report = globals()["report"]  # given by the test
     scene_of_all, folder, found = build(), Path(sys.argv[1]), {}
     things = [item for item in scene_of_all.objects if item.type == "MESH"]
-    for case, described in CASES.items():
-        shining = glow(*described)
+    for case, (make, described) in materials().items():
+        shining = make(*described)
         for thing in things:
             thing.data.materials.clear()
             thing.data.materials.append(shining)

@@ -1,4 +1,4 @@
-"""Ambient Occlusion and Bevel give what they give in Cycles."""
+"""Ambient Occlusion, Bevel and Raycast give what they give in Cycles."""
 
 from pathlib import Path
 

@@ -18,6 +18,7 @@ from .nodes.compiler import Compiler
 from .nodes.resources import Resources
 from .nodes.emitter import Emitter
 from .nodes.lamps import constant_emission
+from .nodes.trees import shader_tree
 from .shapes import ExportReport
 
 # How far light of a lamp may go where nobody has limited it.
@@ -62,14 +63,15 @@ def _area(lamp: Any, matrix: NDArray[np.float64]) -> float:
 
 def _emission(core: ModuleType, lamp: Any, subject: Subject, resources: Resources, messages: Messages) -> Any:
     """What the lamp's nodes make of its light: a colour, or a program where that is not the same everywhere."""
-    if not lamp.use_nodes or lamp.node_tree is None:
-        return np.ones(3)
     emitter = Emitter(core, subject.name)
     compiler = Compiler(emitter, subject, resources, messages)
-    constant = constant_emission(compiler, lamp.node_tree)
-    if constant is not None:
-        return constant
-    return emitter.program if compiler.compile_tree(lamp.node_tree) else np.zeros(3)
+    with shader_tree(lamp) as tree:
+        if tree is None:
+            return np.ones(3)
+        constant = constant_emission(compiler, tree)
+        if constant is not None:
+            return constant
+        return emitter.program if compiler.compile_tree(tree) else np.zeros(3)
 
 
 def describe(

@@ -15,6 +15,7 @@ from .nodes.resources import Resources
 from .nodes.displacement import bend_normal, compile_displacement
 from .nodes.emitter import Emitter
 from .nodes.principled import write_default_surface
+from .nodes.trees import shader_tree
 from .nodes.volumes import write_default_volume
 from .ray_interpolation import volume_of
 
@@ -105,18 +106,20 @@ class MaterialLibrary:
             self._core, subject.name, cycles_versions.bump_shadow(material), cycles_versions.clearing(material)
         )
         has_surface = True
-        with self._resources.noted() as asked:
-            if material.use_nodes and material.node_tree is not None:
+        displacement = medium = None
+        moves = versions.displacement_method(material) != "BUMP"
+        with self._resources.noted() as asked, shader_tree(material) as tree:
+            if tree is not None:
                 compiler = self._compiler(emitter, subject)
-                if versions.displacement_method(material) == "BUMP":
+                if not moves:
                     emitter.program.bump_width = cycles_versions.bump_width_of_displacement()
-                    bend_normal(compiler, material.node_tree)
-                has_surface = compiler.compile_tree(material.node_tree)
+                    bend_normal(compiler, tree)
+                has_surface = compiler.compile_tree(tree)
+                displacement = self._displacement(tree, subject) if moves else None
+                medium = self._medium(tree, subject)
             else:
                 emitter.operation("diffuse", [emitter.scalar(1.0), emitter.constant(*material.diffuse_color[:3])])
             volume = volume_of(self._core, material.rayleaf)
-            displacement = self._displacement(material, subject)
-            medium = self._medium(material, subject)
         # A material of nothing but a volume has no surface that could be seen.
         surface = emitter.program if has_surface or medium is None else None
         shadow = versions.transparent_shadow(material)
@@ -161,31 +164,25 @@ class MaterialLibrary:
         return VolumeMaterial(int(self._scene.add_material_list([index])), reads)
 
     def _compile_volume(self, emitter: Emitter, subject: Subject, material: Any) -> bool:
-        if not material.use_nodes or material.node_tree is None:
-            return False
         compiler = self._compiler(emitter, subject)
         compiler.reads_grids = True
-        return compiler.compile_volume(material.node_tree)
+        with shader_tree(material) as tree:
+            return tree is not None and compiler.compile_volume(tree)
 
     def _compiler(self, emitter: Emitter, subject: Subject, displaces: bool = False) -> Compiler:
         return Compiler(emitter, subject, self._resources, self._messages, displaces=displaces)
 
-    def _medium(self, material: Any, subject: Subject) -> Any | None:
+    def _medium(self, tree: Any, subject: Subject) -> Any | None:
         """The program of what fills the space behind the surface; None where nothing does."""
-        if not material.use_nodes or material.node_tree is None:
-            return None
         emitter = Emitter(self._core, subject.name)
-        return emitter.program if self._compiler(emitter, subject).compile_volume(material.node_tree) else None
+        return emitter.program if self._compiler(emitter, subject).compile_volume(tree) else None
 
-    def _displacement(self, material: Any, subject: Subject) -> tuple[Any, int, int] | None:
+    def _displacement(self, tree: Any, subject: Subject) -> tuple[Any, int, int] | None:
         """A program that displaces, and the registers of its vectors in object and in world space."""
-        moves = versions.displacement_method(material) != "BUMP"
-        if not moves or not material.use_nodes or material.node_tree is None:
-            return None
         emitter = Emitter(self._core, subject.name)
         compiler = self._compiler(emitter, subject, displaces=True)
         try:
-            registers = compile_displacement(compiler, material.node_tree)
+            registers = compile_displacement(compiler, tree)
         except self._core.InputError as error:
             self._messages.warn(f"{subject}: {error}; its displacement is left out", subject)
             return None

@@ -10,27 +10,28 @@ from . import instances
 from .nodes.compiler import Compiler
 from .nodes.resources import Resources
 from .nodes.emitter import Emitter
+from .nodes.trees import shader_tree
 
 
 def compile_world(core: ModuleType, world: Any, resources: Resources, messages: Messages) -> Any:
     """The program of a world: its nodes, else its colour."""
     subject = Subject("World", name_of(world))
     emitter = Emitter(core, subject.name)
-    if world.use_nodes and world.node_tree is not None:
-        Compiler(emitter, subject, resources, messages, is_world=True).compile_tree(world.node_tree)
-    else:
-        emitter.operation("background", [emitter.scalar(1.0), emitter.constant(*world.color), emitter.scalar(1.0)])
+    with shader_tree(world) as tree:
+        if tree is not None:
+            Compiler(emitter, subject, resources, messages, is_world=True).compile_tree(tree)
+        else:
+            emitter.operation("background", [emitter.scalar(1.0), emitter.constant(*world.color), emitter.scalar(1.0)])
     return emitter.program
 
 
 def compile_medium(core: ModuleType, world: Any, resources: Resources, messages: Messages) -> Any | None:
     """The program of what fills all of space; None where nothing does."""
-    if not world.use_nodes or world.node_tree is None:
-        return None
     subject = Subject("World", name_of(world))
     emitter = Emitter(core, subject.name)
     compiler = Compiler(emitter, subject, resources, messages, is_world=True)
-    return emitter.program if compiler.compile_volume(world.node_tree) else None
+    with shader_tree(world) as tree:
+        return emitter.program if tree is not None and compiler.compile_volume(tree) else None
 
 
 _VISIBILITY = {

@@ -6,7 +6,7 @@
 
 def load_nodes() -> None:
     """Make the families of nodes known to the compiler."""
-    from . import closures, colors, inputs, lamps, maths, patterns, principled, sky, spread, textures, volumes
+    from . import closures, colors, inputs, lamps, maths, patterns, principled, sky, spread, textures, tiling, volumes
 
     assert (
         closures
@@ -19,5 +19,6 @@ def load_nodes() -> None:
         and sky
         and spread
         and textures
+        and tiling
         and volumes
     )

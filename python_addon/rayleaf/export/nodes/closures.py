@@ -131,6 +131,15 @@ def transparent(view: NodeView, weight: Register) -> None:
     view.emitter.operation("transparent", [weight, view.input("Color")])
 
 
+@closure_node("ShaderNodeBsdfRayPortal")
+def ray_portal(view: NodeView, weight: Register) -> None:
+    """Ray Portal BSDF, since 4.2: the ray goes on from another place."""
+    position = view.linked("Position")
+    if position == UNCONNECTED:
+        position = view.emitter.operation("position")
+    view.emitter.operation("ray_portal", [weight, view.input("Color"), position, view.input("Direction")])
+
+
 @closure_node("ShaderNodeEmission", "ShaderNodeBackground")
 def emission(view: NodeView, weight: Register) -> None:
     """Emission and Background; the world shines by either."""

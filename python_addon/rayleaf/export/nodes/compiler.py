@@ -13,6 +13,7 @@ from .emitter import UNCONNECTED, Emitter, Register
 from ..mesh_derived import REST_PLACE
 from .graph import Links, Path, Shader, is_group, key_of, output_of
 from .resources import Resources
+from .trees import name_in_file
 
 _OF_BOTH = {"ShaderNodeEmission", "ShaderNodeBsdfPrincipled"}  # surfaces and volumes
 _SCALARS = {"VALUE", "INT", "BOOLEAN"}
@@ -103,7 +104,7 @@ def volume_node(*identifiers: str) -> Callable[[ClosureFunction], ClosureFunctio
 
 
 def _warn(owner: Subject, messages: Messages, node: Any, text: str) -> None:
-    subject = replace(owner, node=name_of(node))
+    subject = replace(owner, node=name_in_file(node))
     messages.warn(f"{subject}: {text}", subject)
 
 

@@ -65,12 +65,11 @@ def _amount(view: NodeView, value: Register) -> Register:
 
 def _scalar(view: NodeView) -> tuple[Register, Register]:
     """Displacement node: along the normal."""
-    in_world = view.node.space == "WORLD"
-    normal = view.linked("Normal") if in_world else UNCONNECTED
-    if not in_world and view.linked("Normal") != UNCONNECTED:
-        view.warn("its normal counts in world space only; the surface's own is taken")
+    in_world, normal = view.node.space == "WORLD", view.linked("Normal")
     if normal == UNCONNECTED:
         normal = view.emitter.operation("normal" if in_world else "object_normal")
+    elif not in_world:
+        normal = view.emitter.operation("transform", [normal], [_WORLD, _OBJECT], text="NORMAL")
     offset = view.emitter.operation("vector_math", [normal, _amount(view, view.input("Height"))], text="MULTIPLY")
     return (UNCONNECTED, offset) if in_world else (offset, UNCONNECTED)
 

@@ -163,15 +163,9 @@ def hair_info(view: NodeView, output: str) -> Register:
     return emitter.component(value, 0)
 
 
-# Outputs of Light Path for what Rayleaf's rays never do: pass portals.
-_NEVER_MET = ("Portal Depth",)
-
-
 @value_node("ShaderNodeLightPath")
 def light_path(view: NodeView, output: str) -> Register:
     """Light Path: "Is Camera Ray" is the core's is_camera, "Ray Depth" its ray_depth."""
-    if output in _NEVER_MET:
-        return view.emitter.scalar(0.0)
     name = output.lower().replace(" ", "_").removesuffix("_ray").removesuffix("_scatter")
     return view.emitter.operation("light_path", text=name)
 
@@ -207,6 +201,30 @@ def ambient_occlusion(view: NodeView, output: str) -> Register:
         distance = emitter.scalar(WORLD_DISTANCE)
     share = emitter.operation("ambient_occlusion", [distance, view.normal("Normal")], ints)
     return share if output == "AO" else emitter.operation("vector_math", [view.input("Color"), share], text="MULTIPLY")
+
+
+@value_node("ShaderNodeRaycast")
+def raycast(view: NodeView, output: str) -> Register:
+    """Raycast, since 5.1: what a ray from anywhere meets."""
+    emitter, node = view.emitter, view.node
+    position, direction = view.linked("Position"), view.linked("Direction")
+    if position == UNCONNECTED:
+        position = emitter.operation("position")
+    if direction == UNCONNECTED:
+        direction = emitter.operation("normal")
+    operands, hit, normal = [position, direction, view.input("Length")], 0, 1
+    if output == "Hit Normal":
+        return emitter.operation("raycast", operands, [normal, int(node.only_local)])
+    result = emitter.operation("raycast", operands, [hit, int(node.only_local)])
+    if output in ("Is Hit", "Self Hit"):
+        return emitter.component(result, ("Is Hit", "Self Hit").index(output))
+    distance = emitter.component(result, 2)
+    if output == "Hit Distance":
+        return distance
+    if output != "Hit Position":
+        raise LookupError(f"the attribute {output} where the ray ends")
+    way = emitter.operation("vector_math", [direction, distance, position], text="MULTIPLY_ADD")
+    return emitter.operation("vector_math", [way, emitter.component(result, 0)], text="MULTIPLY")
 
 
 @value_node("ShaderNodeLightFalloff")
