@@ -70,6 +70,8 @@ def tint(tree, *wanted):
         tree.links.new(node.outputs[0], emission.inputs["Color"])
     else:  # a vector; shown in colours that are positive
         node, shift = tree.nodes.new(f"ShaderNode{kind}"), tree.nodes.new("ShaderNodeVectorMath")
+        if kind == "Attribute":
+            node.attribute_type, node.attribute_name, name = "OBJECT", name, "Color"
         tree.links.new(node.outputs[name], shift.inputs[0])
         shift.inputs[1].default_value = (3, 3, 3)
         tree.links.new(shift.outputs[0], emission.inputs["Color"])
@@ -102,6 +104,10 @@ def cases():
             found[f"{lamp}, coordinate {name}"] = (lamp, "TexCoord", name)
         for name in ("Normal", "Incoming") + (("Position",) if lamp != "sun" else ()):
             found[f"{lamp}, geometry {name}"] = (lamp, "NewGeometry", name)
+    for name in ("Location", "Color", "Object Index", "Material Index", "Random"):
+        found[f"point, object {name}"] = ("point", "ObjectInfo", name)
+    for name in ("of lamp", "of object", "pass_index", "none"):
+        found[f"point, property {name}"] = ("point", "Attribute", name)
     for name in ("Quadratic", "Linear", "Constant"):
         found[f"point, falloff {name}"] = ("point", "falloff", name)
         found[f"rectangle, falloff {name}"] = ("rectangle", "falloff", name)
@@ -132,6 +138,8 @@ def add_lamp(lamp, kind, name):
     made = several(tree) if kind == "several" else tint(tree, kind, name)
     tree.links.new(made, output.inputs[0])
     placed = scenes.add(data)
+    data["of lamp"], placed["of object"] = (0.3, 0.6, 0.9), 0.7
+    placed.color, placed.pass_index = (0.2, 0.5, 0.8, 0.6), 2
     placed.location, placed.rotation_euler = (0.3, 0.2, 1.6), (0.25, 0.15, 0.4)
     return placed
 
@@ -142,7 +150,18 @@ def picture(scene, engine, path):
 
 
 # Nodes that bring an answer to the emission, which is compared where there are several.
-_KINDS = ("TexIES", "LightFalloff", "Blackbody", "TexCoord", "NewGeometry", "AddShader", "MixShader", "Emission")
+_KINDS = (
+    "TexIES",
+    "LightFalloff",
+    "Blackbody",
+    "TexCoord",
+    "NewGeometry",
+    "ObjectInfo",
+    "Attribute",
+    "AddShader",
+    "MixShader",
+    "Emission",
+)
 
 
 def compared_nodes():

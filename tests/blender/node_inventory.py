@@ -64,7 +64,8 @@ def choices(node, path):
 
 def enabled(sockets):
     """By identifier."""
-    return {each.identifier for each in sockets if each.enabled and not each.is_unavailable}
+    shown = {each.identifier for each in sockets if each.enabled and not each.is_unavailable}
+    return shown - {"__extend__"}  # of nodes that a user may give more of them
 
 
 @dataclass

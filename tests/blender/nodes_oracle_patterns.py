@@ -84,7 +84,9 @@ def _voronoi(case: Make) -> list[Any]:
 def _voronoi_octaves(case: Make) -> list[Any]:
     """Since 4.0."""
     found = []
-    octaves = ((2.0, 2.0, False), (2.6, 2.3, True), (0.0, 2.0, True), (1.5, 0.0, True))
+    # At 0 the sign of zero tells the cell, and how that comes out is the compiler's: in the Cycles of 5.2 otherwise than before.
+    flat = 0.0 if bpy.app.version < (5, 2, 0) else 1e-3
+    octaves = ((2.0, 2.0, False), (2.6, 2.3, True), (0.0, 2.0, True), (1.5, flat, True))
     for dimensions, feature in product(_DIMENSIONS, ("F1", "F2", "SMOOTH_F1", "DISTANCE_TO_EDGE", "N_SPHERE_RADIUS")):
         for detail, lacunarity, normalize in octaves:
             settings = {"voronoi_dimensions": dimensions, "feature": feature, "normalize": normalize}
@@ -93,7 +95,7 @@ def _voronoi_octaves(case: Make) -> list[Any]:
             blended = {"1D": ("W",), "4D": ("Position", "W")}.get(dimensions, ("Position",))
             outputs = {"DISTANCE_TO_EDGE": ("Distance",), "N_SPHERE_RADIUS": ("Radius",)}
             for output in outputs.get(feature, ("Distance", "Color", *blended)):
-                if lacunarity == 0.0 and (output in blended or feature == "DISTANCE_TO_EDGE"):
+                if lacunarity == flat and (output in blended or feature == "DISTANCE_TO_EDGE"):
                     continue  # Cycles divides by it
                 found.append(case("ShaderNodeTexVoronoi", settings, inputs, output))
     for metric in ("MANHATTAN", "CHEBYCHEV", "MINKOWSKI"):

@@ -24,13 +24,13 @@ CASES = {
     "bent bevel": ("Bevel", {"samples": 8}, {"Radius": 0.2}, True),
     "no bevel": ("Bevel", {"samples": 2}, {"Radius": 0.0}, False),
 }
-SLANTED = {"Direction": (0.9, -0.5, 0.7), "Length": 1.5}
+SLANTED, INWARDS = ({"Direction": way, "Length": 1.4} for way in ((0.9, -0.5, 0.7), (0.3, -0.2, -1.2)))
 # Since 5.1: the node's properties, its inputs, and the output.
 RAYCASTS = {
     "along the normal": ({}, {"Length": 2.0}, "Is Hit"),
     "slanted": ({}, SLANTED, "Is Hit"),
-    "local": ({"only_local": True}, SLANTED, "Is Hit"),
-    "self": ({}, SLANTED, "Self Hit"),
+    "local": ({"only_local": True}, INWARDS, "Is Hit"),
+    "self": ({}, INWARDS, "Self Hit"),
     "distance": ({}, SLANTED, "Hit Distance"),
     "place": ({}, SLANTED, "Hit Position"),
     "normal there": ({}, SLANTED, "Hit Normal"),

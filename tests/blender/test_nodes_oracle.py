@@ -54,8 +54,8 @@ SINCE_5_0 = {
     "ValToRGB {'color_ramp.interpolation': 'CARDINAL'": 5e-5,
 }
 # In 5.2 noise differs a little more than in earlier versions: its colour is taken at places displaced by about 100, where
-# single precision has steps of 8e-6.
-SINCE_5_2 = {"TexNoise": 5e-5}
+# single precision has steps of 8e-6, and textures of several octaves scale them up.
+SINCE_5_2 = {"TexNoise": 2e-4}
 # Steps (floors, comparisons, borders of cells) fall differently where a coordinate rounds to the other side.
 SHARE_AT_STEPS = 0.03
 

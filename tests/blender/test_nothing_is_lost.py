@@ -42,6 +42,7 @@ OF_POINTERS = {
                         for key, value in MAPPING.items()],
     "color_mapping": [],  # of the viewport alone
     "image_user": [],  # of sequences: test_export_images.py
+    "sample_attribute_items": [],  # of Raycast: their outputs are named
 }
 
 def changes_of(kind):
@@ -97,6 +98,7 @@ UNREAD = {
     **{f"input {name}_Rotation": "of geometry nodes: shaders have no rotations" for name in "AB"},
     "input Weight": "hidden, and Blender's own",
     "input LightIndex": "of loops over lights, which are Eevee's",
+    "active_index": "which of a Raycast's attributes the user interface shows",
     "use_alpha": "of the compositor's node, which shares the definition",
 }
 

@@ -24,7 +24,8 @@ INSTANCER_ATTRIBUTE = "\nattribute of instancer "  # its name follows
 NONE: Value = (0.0, 0.0, 0.0, 0.0)
 
 
-def _of_number(value: Any) -> Value:
+def number_value(value: Any) -> Value:
+    """As an attribute."""
     return (float(value), float(value), float(value), 1.0)
 
 
@@ -33,12 +34,12 @@ def _of_vector(value: Any) -> Value:
 
 
 _PARTICLE_VALUES: dict[str, Callable[[Any, int, int], Value]] = {
-    "Index": lambda particle, index, frame: _of_number(index),
-    "Random": lambda particle, index, frame: _of_number(random_of_number(index)),
-    "Age": lambda particle, index, frame: _of_number(frame - particle.birth_time),
-    "Lifetime": lambda particle, index, frame: _of_number(particle.lifetime),
+    "Index": lambda particle, index, frame: number_value(index),
+    "Random": lambda particle, index, frame: number_value(random_of_number(index)),
+    "Age": lambda particle, index, frame: number_value(frame - particle.birth_time),
+    "Lifetime": lambda particle, index, frame: number_value(particle.lifetime),
     "Location": lambda particle, index, frame: _of_vector(particle.location),
-    "Size": lambda particle, index, frame: _of_number(particle.size),
+    "Size": lambda particle, index, frame: number_value(particle.size),
     "Velocity": lambda particle, index, frame: _of_vector(particle.velocity),
     "Angular Velocity": lambda particle, index, frame: _of_vector(particle.angular_velocity),
 }
@@ -51,7 +52,7 @@ def _property_at(owner: Any, path: str) -> Value | None:
     except (ValueError, TypeError):
         return None
     if isinstance(value, (bool, int, float)):
-        return _of_number(value)
+        return number_value(value)
     try:
         numbers = [float(each) for each in value][:4]
     except (ValueError, TypeError):
@@ -105,7 +106,7 @@ def of_particle(known: tuple[Any, int] | None, name: str, frame: int) -> Value:
     output = name.removeprefix(PARTICLE)
     system, index = (None, 0) if known is None else known
     if system is None or not 0 <= index < len(system.particles):
-        return _of_number(random_of_number(0)) if output == "Random" else NONE
+        return number_value(random_of_number(0)) if output == "Random" else NONE
     return _PARTICLE_VALUES[output](system.particles[index], index, frame)
 
 

@@ -232,6 +232,8 @@ class _Collector:
             place = self._add_place(number, instance)
         if known is None:
             self._result.lamps.append((settings, place))
+            if owner is None:
+                self._randoms[place] = random_of_name(bytes_of_name(item))
             self._result.instanced_lamps |= owner is not None
             return
         known.members.append(place)

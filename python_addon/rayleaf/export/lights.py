@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .. import cycles_versions, versions
 from ..messages import Messages, Subject
-from ..names import name_of
+from ..names import bytes_of_name, name_of
 from ..passes import Slots
 from . import CancelCheck, instances, world
 from .instances import VISIBLE_CAMERA, Instances
@@ -17,8 +17,9 @@ from .light_linking import LightLinks
 from .nodes.compiler import Compiler
 from .nodes.resources import Resources
 from .nodes.emitter import Emitter
-from .nodes.lamps import constant_emission
+from .nodes.lamps import LampOwner, constant_emission
 from .nodes.trees import shader_tree
+from .random_numbers import random_of_name
 from .shapes import ExportReport
 
 # How far light of a lamp may go where nobody has limited it.
@@ -61,11 +62,12 @@ def _area(lamp: Any, matrix: NDArray[np.float64]) -> float:
     return area or 1.0
 
 
-def _emission(core: ModuleType, lamp: Any, subject: Subject, resources: Resources, messages: Messages) -> Any:
+def _emission(core: ModuleType, owner: LampOwner, subject: Subject, resources: Resources, messages: Messages) -> Any:
     """What the lamp's nodes make of its light: a colour, or a program where that is not the same everywhere."""
     emitter = Emitter(core, subject.name)
     compiler = Compiler(emitter, subject, resources, messages)
-    with shader_tree(lamp) as tree:
+    compiler.lamp_owner = owner
+    with shader_tree(owner.object.data) as tree:
         if tree is None:
             return np.ones(3)
         constant = constant_emission(compiler, tree)
@@ -81,14 +83,15 @@ def describe(
     visibility: int,
     resources: Resources,
     messages: Messages,
+    random: float = 0.0,
 ) -> dict[str, Any]:
-    """The arguments of the core's `add_lamp`."""
+    """The arguments of the core's `add_lamp`. `random`: the instance's number, 0..1."""
     lamp, subject = lamp_object.data, Subject("Light", name_of(lamp_object))
     _name_ignored(lamp, subject, messages)
     factor = np.full(3, cycles_versions.lamp_factor(lamp))
     if not getattr(lamp, "normalize", True):  # 4.5
         factor *= _area(lamp, matrix)
-    emission = _emission(core, lamp, subject, resources, messages)
+    emission = _emission(core, LampOwner(lamp_object, random), subject, resources, messages)
     program = None if isinstance(emission, np.ndarray) else emission
     if program is None:
         factor *= emission
@@ -176,11 +179,11 @@ class LightExporter:
     def _export_lamps(self, listed: Instances) -> None:
         for lamp_object, place in listed.lamps:
             self._check_cancel()
-            self.export_lamp(lamp_object, listed.matrices[place])
+            self.export_lamp(lamp_object, listed.matrices[place], float(listed.randoms[place]))
         self.lamps = None if listed.instanced_lamps else [lamp_object.original for lamp_object, _ in listed.lamps]
 
-    def export_lamp(self, lamp_object: Any, matrix: Any) -> None:
-        """An evaluated lamp object at its place."""
+    def export_lamp(self, lamp_object: Any, matrix: Any, random: float | None = None) -> None:
+        """An evaluated lamp object at its place. `random`: the instance's number; None: the object stands for itself."""
         if is_portal(lamp_object.data):
             subject = Subject("Light", name_of(lamp_object))
             self._messages.note(f"{subject}: a portal does not shine; the world's light is found without", subject)
@@ -189,7 +192,8 @@ class LightExporter:
             return
         visibility = instances.visibility(lamp_object, self._view_layer)
         try:
-            arguments = (self._core, lamp_object, matrix, visibility, self._resources, self._messages)
+            number = random_of_name(bytes_of_name(lamp_object)) if random is None else random
+            arguments = (self._core, lamp_object, matrix, visibility, self._resources, self._messages, number)
             links = dict(light_group=self._light_group(lamp_object), link=self.links.light(lamp_object))
             self.scene.add_lamp(**links, **describe(*arguments))
             self.report.lamps += 1

@@ -126,6 +126,7 @@ class Compiler:
         load_nodes()
         self.emitter, self.resources, self.is_world, self._displaces = emitter, resources, is_world, displaces
         self._is_volume, self.is_lamp = False, subject.kind == "Light"
+        self.lamp_owner: Any = None  # lamps.LampOwner, of a lamp
         self.reads_grids = False  # what is compiled fills an object that grids are of
         # Tells about a node, once. No method: `links` keeps it, and a reference cycle would hold what was exported.
         self.warn: Callable[[Any, str], None] = partial(_warn, subject, messages)

@@ -110,6 +110,10 @@ def geometry(view: NodeView, output: str) -> Register:
 @value_node("ShaderNodeObjectInfo")
 def object_info(view: NodeView, output: str) -> Register:
     """Object Info."""
+    owner = view.compiler.lamp_owner
+    known = None if owner is None else owner.info(output)
+    if known is not None:
+        return view.emitter.constant(*known)
     if output in ("Color", "Alpha"):
         color = view.emitter.operation("attribute", ints=[view.resources.attribute(OBJECT_COLOR)])
         return view.emitter.component(color, 3) if output == "Alpha" else color
@@ -128,7 +132,9 @@ def attribute(view: NodeView, output: str) -> Register:
     name, kind = text_of(view.node, "attribute_name"), view.node.attribute_type
     if kind == "VIEW_LAYER":
         return _parts_of(view, output, view.emitter.constant(*view.resources.scene_property(name)))
-    prefix = {"OBJECT": PROPERTY_OF, "INSTANCER": INSTANCER_ATTRIBUTE}.get(kind, "")
+    prefix = {"GEOMETRY": "", "OBJECT": PROPERTY_OF, "INSTANCER": INSTANCER_ATTRIBUTE}[kind]
+    if prefix and view.compiler.lamp_owner is not None:
+        return _parts_of(view, output, view.emitter.constant(*view.compiler.lamp_owner.property(name)))
     return _attribute_output(view, output, view.resources.attribute(prefix + name))
 
 

@@ -1,5 +1,6 @@
 """Nodes for lamps: the IES Texture; and whether a lamp's tree is more than a constant colour."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from ... import cycles_versions, versions
 from ...names import name_of, text_of
 from .. import ies
+from ..instance_values import NONE, OBJECT_COLOR, Value, number_value, of_object, property_of
 from .compiler import Compiler, NodeView, value_node
 from .emitter import UNCONNECTED, Emitter, Register
 from .graph import output_of
@@ -49,6 +51,31 @@ def ies_texture(view: NodeView, output: str) -> Register:
         direction = _shining(emitter)
     value = emitter.operation("ies", [direction], floats=table)
     return emitter.math("MULTIPLY", value, strength)
+
+
+@dataclass(frozen=True)
+class LampOwner:
+    """The object that a lamp's nodes may ask about."""
+
+    object: Any  # evaluated
+    random: float  # 0..1
+
+    def info(self, output: str) -> Value | None:
+        """What Object Info tells of it; None where that is the core's to tell."""
+        if output == "Random":
+            return number_value(self.random)
+        if output == "Material Index" or (output == "Location" and cycles_versions.lamps_have_a_space()):
+            return None
+        if not cycles_versions.lamps_have_a_space():
+            return NONE
+        if output == "Object Index":
+            return number_value(self.object.pass_index)
+        color = of_object(self.object, OBJECT_COLOR)
+        return number_value(color[3]) if output == "Alpha" else color
+
+    def property(self, name: str) -> Value:
+        """Of the object, else of the lamp."""
+        return property_of(self.object, name) if cycles_versions.lamps_have_a_space() else NONE
 
 
 def constant_emission(compiler: Compiler, tree: Any) -> NDArray[np.float64] | None:

@@ -10,8 +10,8 @@ from .graph import is_group
 
 # What the compiler reads itself, beside the nodes that compute: those that pass values on, and frames.
 _PLAIN = {"NodeFrame", "NodeReroute", "NodeGroupInput", "NodeGroupOutput"}
-# Blender's name for a tree that it has written out; the nodes in it are numbered: "12_Noise Texture".
-_WRITTEN_OUT = "Shader Nodetree Inlined"  # behind letters for the kind of data
+# How Blender names a tree that it has written out; the nodes in it are numbered: "12_Noise Texture".
+_WRITTEN_OUT = "Nodetree Inlined"
 _NUMBER = re.compile(r"\d+_(?=.)")
 
 
