@@ -31,31 +31,31 @@ Branch Branch::scattered(const Scene& scene, const Vertex& from, const Closures&
     return child;
 }
 
-Branch Branch::straight_on(const Scene& scene, const Vertex& from) const {
+Branch Branch::unscattered(const Vertex& from, const Color& weight) const {
     Branch child = *this;
     child.has_departed = false;
     child.outside_of = RayAnchor::kNone;
-    child.ray = from.point.behind(ray);
     child.differential = from.differential;
-    child.throughput *= from.closures.transparency;
-    child.bounces.pass_through(from.point.t);
-    // No shadow ray comes by here: lights beyond are found by this ray alone.
-    if (!scene.material(from.point.instance, from.point.local).transparent_shadow)
-        child.departure.sampling = LightSampling::None;
+    child.throughput *= weight;
     ++child.vertex;
     return child;
 }
 
+Branch Branch::straight_on(const Scene& scene, const Vertex& from) const {
+    Branch child = unscattered(from, from.closures.transparency);
+    child.ray = from.point.behind(ray);
+    child.bounces.pass_through(from.point.t);
+    // No shadow ray comes by here: lights beyond are found by this ray alone.
+    if (!scene.material(from.point.instance, from.point.local).transparent_shadow)
+        child.departure.sampling = LightSampling::None;
+    return child;
+}
+
 Branch Branch::by_portal(const Scene& scene, const Vertex& from) const {
-    Branch child = *this;
-    child.has_departed = false;
-    child.outside_of = RayAnchor::kNone;
+    Branch child = unscattered(from, from.closures.portal.weight);
     child.ray = behind_portal(scene, from, child.media);
-    child.differential = from.differential;
-    child.throughput *= from.closures.portal.weight;
     child.bounces.pass_portal(from.point.t);
     child.departure.sampling = LightSampling::None;  // no shadow ray goes by portals
-    ++child.vertex;
     return child;
 }
 

@@ -77,6 +77,10 @@ struct Branch {
     Branch straight_on(const Scene& scene, const Vertex& from) const;
     /// The ray that its portal sends on, in its media.
     Branch by_portal(const Scene& scene, const Vertex& from) const;
+
+  private:
+    /// What these have in common: a ray with the light times that weight, of which the start is yet to be set.
+    Branch unscattered(const Vertex& from, const Color& weight) const;
 };
 
 /// False for a ray that is black, or that ends by chance, being dim; the others carry its light.

@@ -42,16 +42,6 @@ def ruled(thing, output):
     return material
 
 
-def plain(name, kind, **inputs):
-    """A material of one shader."""
-    material, tree, output = scenes.material(name)
-    shader = tree.nodes.new(f"ShaderNode{kind}")
-    for key, value in inputs.items():
-        shader.inputs[key].default_value = value
-    tree.links.new(shader.outputs[0], output.inputs["Surface"])
-    return material
-
-
 def plane(material, size, location, rotation=(0, 0, 0)):
     """A square."""
     bpy.ops.mesh.primitive_plane_add(size=size, location=location, rotation=rotation)
@@ -63,10 +53,10 @@ def build(thing, output):
     scenes.empty_file()
     scene = bpy.context.scene
     scenes.plain_world((0.2, 0.2, 0.2))
-    plane(plain("floor", "BsdfDiffuse", Color=(0.7, 0.7, 0.7, 1)), 6, (0, 0, 0))
-    plane(plain("mirror", "BsdfAnisotropic", Roughness=0.3), 1.4, (-1.2, -0.6, 0.02))
+    plane(scenes.of_one_shader("floor", "BsdfDiffuse", Color=(0.7, 0.7, 0.7, 1)), 6, (0, 0, 0))
+    plane(scenes.of_one_shader("mirror", "BsdfAnisotropic", Roughness=0.3), 1.4, (-1.2, -0.6, 0.02))
     bpy.ops.mesh.primitive_cube_add(size=0.7, location=(0.1, -0.8, 0.4), rotation=(0.2, 0.1, 0.5))
-    bpy.context.object.data.materials.append(plain("glass", "BsdfGlass", Roughness=0.0, IOR=1.3))
+    bpy.context.object.data.materials.append(scenes.of_one_shader("glass", "BsdfGlass", Roughness=0.0, IOR=1.3))
     plane(ruled("plate", output if thing == "plate" else ""), 1.6, (-0.6, 1.4, 0.9), (1.4, 0, 0.2))
     plane(ruled("pane", output if thing == "pane" else ""), 1.2, (1.3, 0.1, 0.9), (0.6, 0.1, 0))
     lamp = scenes.add(bpy.data.lights.new("lamp", "POINT"))

@@ -13,16 +13,6 @@ KIND = "ShaderNodeBsdfRayPortal"
 FAR = 20.0  # where the other place is, along x
 
 
-def plain(name, kind, **inputs):
-    """A material of one shader."""
-    material, tree, output = scenes.material(name)
-    shader = tree.nodes.new(f"ShaderNode{kind}")
-    for key, value in inputs.items():
-        shader.inputs[key].default_value = value
-    tree.links.new(shader.outputs[0], output.inputs["Surface"])
-    return material
-
-
 def there(tree, node):
     """The ray goes on from the same point of the other place."""
     moved = tree.nodes.new("ShaderNodeVectorMath")
@@ -119,11 +109,11 @@ def build(body, shade, passed):
     scenes.plain_world((0.1, 0.15, 0.2))
     place(
         0,
-        plain("floor", "BsdfDiffuse", Color=(0.7, 0.7, 0.7, 1)),
-        plain("ball", "BsdfDiffuse", Color=(0.9, 0.2, 0.1, 1)),
+        scenes.of_one_shader("floor", "BsdfDiffuse", Color=(0.7, 0.7, 0.7, 1)),
+        scenes.of_one_shader("ball", "BsdfDiffuse", Color=(0.9, 0.2, 0.1, 1)),
         150,
     )
-    place(FAR, counting_floor(), plain("far ball", "BsdfDiffuse", Color=(0.1, 0.3, 0.9, 1)), 250)
+    place(FAR, counting_floor(), scenes.of_one_shader("far ball", "BsdfDiffuse", Color=(0.1, 0.3, 0.9, 1)), 250)
     if body == "plate":
         bpy.ops.mesh.primitive_plane_add(size=1.8, location=(0, 0, 1.0), rotation=(1.5, 0, 0.2))
     else:

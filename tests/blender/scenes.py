@@ -128,6 +128,16 @@ def material(name="Material"):
     return result, tree, tree.nodes.new("ShaderNodeOutputMaterial")
 
 
+def of_one_shader(name, kind, **inputs):
+    """A material of one shader, with these inputs."""
+    made, tree, output = material(name)
+    shader = tree.nodes.new(f"ShaderNode{kind}")
+    for key, value in inputs.items():
+        shader.inputs[key].default_value = value
+    tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    return made
+
+
 def set_displacement(material, method):
     """BUMP, DISPLACEMENT or BOTH."""
     if hasattr(material, "displacement_method"):  # 4.1

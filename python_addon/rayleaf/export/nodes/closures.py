@@ -134,10 +134,8 @@ def transparent(view: NodeView, weight: Register) -> None:
 @closure_node("ShaderNodeBsdfRayPortal")
 def ray_portal(view: NodeView, weight: Register) -> None:
     """Ray Portal BSDF, since 4.2: the ray goes on from another place."""
-    position = view.linked("Position")
-    if position == UNCONNECTED:
-        position = view.emitter.operation("position")
-    view.emitter.operation("ray_portal", [weight, view.input("Color"), position, view.input("Direction")])
+    operands = [weight, view.input("Color"), view.place("Position"), view.input("Direction")]
+    view.emitter.operation("ray_portal", operands)
 
 
 @closure_node("ShaderNodeEmission", "ShaderNodeBackground")

@@ -62,6 +62,11 @@ class NodeView:
         register = self.linked(*names)
         return self.compiler.generated() if register == UNCONNECTED else register
 
+    def place(self, *names: str) -> Register:
+        """A linked place; without a link the point that is shaded."""
+        register = self.linked(*names)
+        return self.emitter.operation("position") if register == UNCONNECTED else register
+
     def warn(self, text: str) -> None:
         """Tell about this node."""
         self.compiler.warn(self.node, text)

@@ -213,9 +213,7 @@ def ambient_occlusion(view: NodeView, output: str) -> Register:
 def raycast(view: NodeView, output: str) -> Register:
     """Raycast, since 5.1: what a ray from anywhere meets."""
     emitter, node = view.emitter, view.node
-    position, direction = view.linked("Position"), view.linked("Direction")
-    if position == UNCONNECTED:
-        position = emitter.operation("position")
+    position, direction = view.place("Position"), view.normal("Direction")
     if direction == UNCONNECTED:
         direction = emitter.operation("normal")
     operands, hit, normal = [position, direction, view.input("Length")], 0, 1
